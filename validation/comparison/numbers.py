@@ -16,7 +16,7 @@ import xarray as xr
 from fem_contact.area import ContactAreas
 from fem_contact.extrapolation import LEAST_CONTACT_POINTS, Limit
 from validation.arrays import Array
-from validation.comparison.reductions import Case, Reading, grid_name, is_adhesive, own_solves
+from validation.comparison.reductions import DIFFERENCES, Case, Reading, grid_name, is_adhesive, own_solves
 from validation.comparison.subsurface_stress import below
 from validation.comparison.transport import passing
 from validation.comparison.treatment import about
@@ -35,7 +35,7 @@ from validation.solvers.theory import predict
 
 _TOO_FEW = "it needs two resolved grids of boundary elements with square cells, or three solves on two grids"
 _ABSENT = {"theory": "it is simulated"}
-_HALF_SPACE = {"depth": "boundary elements press a half-space"}
+_HALF_SPACE = {**_ABSENT, "depth": "boundary elements press a half-space"}
 #: Within which relative distance from the limit the cheapest solve is looked for.
 _CLOSE = 0.01
 
@@ -101,16 +101,12 @@ def _on_grids(case: Case) -> xr.Dataset:
     for reading in case.own:
         place = reading.solve.method, grid_name(reading.solve.grid)
         parts[(*place, sum(there[:2] == place for there in parts))] = reading.numbers
-    shifts = range(1 + max(shift for *_, shift in parts))
-    each = gather(parts, solver=case.methods, grid=[grid_name(grid) for grid in grids], shift=shifts)
-    each = each.drop_vars("shift")
-    waves = np.array([problem.points_per_wave(grid) for grid in grids])
-    data = each[["solve", "area_pixel_shift", "area_perimeter_shift", "area_located_shift"]].assign(
-        points_per_wave=("grid", waves),
-        resolved=("grid", [float(problem.resolved_by(grid)) for grid in grids]),
-    )
+    names, shifts = list(map(grid_name, grids)), range(1 + max(shift for *_, shift in parts))
+    each = gather(parts, solver=case.methods, grid=names, shift=shifts).drop_vars("shift")
     field = problem.field
-    data = data.assign(
+    data = each[["solve", "area_pixel_shift", "area_perimeter_shift", "area_located_shift"]].assign(
+        points_per_wave=("grid", [problem.points_per_wave(grid) for grid in grids]),
+        resolved=("grid", [float(problem.resolved_by(grid)) for grid in grids]),
         pressure=problem.pressure,
         contact_modulus=case.modulus,
         contact_modulus_below=problem.contact_modulus,
@@ -135,7 +131,7 @@ def _on_grids(case: Case) -> xr.Dataset:
             # Of a mean over the shifts there are; none of one.
             half = mean_of(values.values, values.get_axis_num("shift"), there=values.notnull().values)[1]
             data[f"{name}_error"] = error_of(data[name], grid=half, **_ABSENT)
-    if not bool(data.area_located.notnull().any()):
+    if not data.area_located.notnull().any():
         data = data.drop_vars(["area_located", "area_located_error", "area_located_shift"])
     if failed := {(s.method, s.grid): why for s, why in case.failures.items() if s.realisation == 0}:
         words = [[failed.get((method, grid), "") for grid in grids] for method in case.methods]
@@ -193,7 +189,7 @@ def _own_area(data: xr.Dataset, case: Case) -> xr.Dataset:
     succeeded = [name for name in case.methods if name in pressed]
     method = next((name for name in succeeded if not limits_by_method[name].why.item()), succeeded[0])
     every, first = gather(limits_by_method, solver=case.methods), limits_by_method[method]
-    absent = _ABSENT if case.scene.methods.solvers[method].sinks else {**_ABSENT, **_HALF_SPACE}
+    absent = _ABSENT if case.scene.methods.solvers[method].sinks else _HALF_SPACE
     limits = every.area.where(every.why == "")
     return data.assign(
         area_limit=limits,
@@ -250,12 +246,11 @@ def _over_surfaces(data: xr.Dataset, case: Case, accurate: Mapping[str, Any] | N
     if not has_theory:
         return data
     if several is None:
-        scene = case.scene
         # Whether the theory says the same of all surfaces of the spectrum.
-        exact = getattr(scene.surface, "amplitudes", "") == "exact"
-        alike = exact or (scene.load.reduced_pressure is not None and not scene.effects)
+        exact = getattr(case.scene.surface, "amplitudes", "") == "exact"
+        alike = exact or (case.scene.load.reduced_pressure is not None and not case.scene.effects)
         data = derive(data.assign(area_ratio=math.nan), area_persson="area_persson_own")
-        if alike or float(data.surfaces) == 1:
+        if alike or data.surfaces == 1:
             data = derive(data, area_ratio="area / area_persson")
     return derive(data, area_excess="area_ratio - 1", kappa_persson="area_persson / reduced_pressure")
 
@@ -269,7 +264,7 @@ def _as_claimed(data: xr.Dataset, accurate: Mapping[str, Any]) -> xr.Dataset:
         parts = {"solver": solver * float(area), "grid": grid * float(area)}
         if statistical:
             parts["surfaces"] = statistical * float(area)
-        return error_of(area, **parts, **_ABSENT, **_HALF_SPACE)
+        return error_of(area, **parts, **_HALF_SPACE)
 
     data = data.assign(
         area_own_error=claimed(data.area_own, accurate["error"]),
@@ -305,7 +300,7 @@ def _surfaces(case: Case) -> xr.Dataset | None:
             pressure = float(readings[-1].numbers.mean_pressure)
         part = {
             "area_each": area.assign_attrs(reduction="limit"),
-            "area_each_error": error_of(area, grid=half, **_ABSENT, **_HALF_SPACE),
+            "area_each_error": error_of(area, grid=half, **_HALF_SPACE),
             "rms_gradient_each": here.field.rms_gradient,
             "reduced_pressure_each": pressure / (case.modulus * here.field.rms_gradient),
             "solve_surface": ("surface_grid", [on[g].solve.key if g in on else "" for g in grids]),
@@ -325,9 +320,8 @@ def beside_each_other(data: xr.Dataset, readings: Sequence[Reading]) -> xr.Datas
     if len(methods) < 2:
         return data
     still = {(r.solve.method, r.solve.grid): r for r in readings if r.pressure is not None}
-    names = [f"{name}_difference" for name in ("pressure", "area_pixel", "area_perimeter")]
     # The first method is not beside itself; where all others failed, nothing else says what is asked.
-    cases = {(methods[0], grids[0]): xr.Dataset(dict.fromkeys(names, math.nan))}
+    cases = {(methods[0], grids[0]): xr.Dataset(dict.fromkeys(DIFFERENCES, math.nan))}
     for (method, grid), reading in still.items():
         if method != methods[0] and (first := still.get((methods[0], grid))) is not None:
             values = (
@@ -335,19 +329,19 @@ def beside_each_other(data: xr.Dataset, readings: Sequence[Reading]) -> xr.Datas
                 reading.areas.pixel / first.areas.pixel - 1,
                 reading.areas.perimeter / first.areas.perimeter - 1,
             )
-            cases[method, grid_name(grid)] = xr.Dataset(dict(zip(names, values, strict=True)))
+            cases[method, grid_name(grid)] = xr.Dataset(dict(zip(DIFFERENCES, values, strict=True)))
     data = data.assign(gather(cases, solver=methods, grid=grids).data_vars)
-    for name in names:
+    for name in DIFFERENCES:
         made = {"reduction": "order", "of": name}
-        orders = [_order(data.spacing.values, row) for row in np.abs(data[name].values)]
+        orders = [_order(data, row) for row in np.abs(data[name].values)]
         data[f"{name}_order"] = ("solver", orders, made)
     return data
 
 
-def _order(spacing: Array, values: Array) -> float:
+def _order(data: xr.Dataset, values: Array) -> float:
     """Power of dx with which something shrinks, where three grids tell."""
     known = np.isfinite(values) & (values > 0)
-    return order_of_convergence(spacing[known], values[known]) if known.sum() > 2 else math.nan
+    return order_of_convergence(data.spacing.values[known], values[known]) if known.sum() > 2 else math.nan
 
 
 def cost_and_orders(data: xr.Dataset) -> xr.Dataset:
@@ -365,7 +359,7 @@ def cost_and_orders(data: xr.Dataset) -> xr.Dataset:
     ways = {"perimeter": "corrected at its edge", "pixel": "points counted"}
     near = xr.concat([abs(data[f"area_{way}_off"]) <= _CLOSE for way in ways], "way").transpose(..., "way")
     seconds = data.seconds.where(near & (data.resolved > 0))
-    if bool(seconds.notnull().any()):
+    if seconds.notnull().any():
         at = seconds.argmin(["solver", "grid", "way"])
         way, here = list(ways)[int(at.pop("way"))], data.isel(at)
         data = data.assign(
@@ -377,7 +371,7 @@ def cost_and_orders(data: xr.Dataset) -> xr.Dataset:
     cells = np.array([math.prod(map(int, str(g).split(" x "))) for g in data.grid.values])
     enough = (data.resolved.values > 0) & (first.area_pixel.values * cells >= LEAST_CONTACT_POINTS)
     density = np.where(enough, first.density_at_zero.values, math.nan)
-    return data.assign(density_at_zero_order=_order(data.spacing.values, density))
+    return data.assign(density_at_zero_order=_order(data, density))
 
 
 def finest_of(data: xr.Dataset) -> xr.Dataset:
@@ -411,7 +405,7 @@ def in_numbers(data: xr.Dataset, case: Case) -> xr.Dataset:
         for result in results
     ]
     last, result = solves[-1], results[-1]
-    some = bool(result.in_contact.any()) and not bool(result.in_contact.all())
+    some = result.in_contact.any() and not result.in_contact.all()
     # The stiffness of a contact set is exact where points weigh alike on an elastic response.
     if some and result.weights is None and not is_adhesive(last.effects) and not last.solver.sinks:
         for row, result in zip(rows, results, strict=True):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
@@ -20,6 +20,9 @@ from validation.execution.press import Contacts, Press
 from validation.measurements.measurement import areas_of_solve
 from validation.scenes.problem import ContactProblem
 from validation.scenes.scene import Scene
+
+#: What is compared of two methods on one grid.
+DIFFERENCES = ("pressure_difference", "area_pixel_difference", "area_perimeter_difference")
 
 
 def is_adhesive(effects: Sequence[Effect]) -> bool:
@@ -45,8 +48,7 @@ class Reading:
     solve: Press
     areas: ContactAreas
     numbers: xr.Dataset
-    contact_modulus: float
-    pressure: Any = None
+    pressure: Any
 
     @classmethod
     def of(cls, solve: Press, result: ContactResult, *, shown: bool) -> Reading:
@@ -60,6 +62,7 @@ class Reading:
                 "area_perimeter_shift": ((), areas.perimeter, {"reduction": "field", "of": "perimeter"}),
                 "area_located_shift": areas.subcell or math.nan,
                 "mean_pressure": result.mean_pressure,
+                "contact_modulus": result.contact_modulus,
                 "density_at_zero": _density(result, adhesive=is_adhesive(solve.effects)),
                 "plastic": float(np.mean(at_bound)),
                 "residual": result.residuals.worst,
@@ -67,8 +70,8 @@ class Reading:
                 "unknowns": result.cost.unknowns,
             }
         )
-        read = cls(solve=solve, areas=areas, numbers=numbers, contact_modulus=result.contact_modulus)
-        return replace(read, pressure=result.pressure) if shown and solve.is_own else read
+        pressure = result.pressure if shown and solve.is_own else None
+        return cls(solve=solve, areas=areas, numbers=numbers, pressure=pressure)
 
 
 def _density(result: ContactResult, *, adhesive: bool) -> float:
@@ -122,7 +125,7 @@ class Case:
     @property
     def modulus(self) -> float:
         """E* [Pa] on which p* stands: with a layer that at the surface."""
-        return self.own[0].contact_modulus
+        return float(self.own[0].numbers.contact_modulus)
 
     @property
     def failed(self) -> str:

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from validation.comparison.reductions import DIFFERENCES
 from validation.comparison.treatment import STATISTICS, treatment_findings, treatment_table
 from validation.report.estimates import derive, each, sources_of
 from validation.report.findings import Finding, finding, note
@@ -62,9 +63,9 @@ def run_views(data: xr.Dataset) -> Views:
             sparse=True,
         ),
         more=tuple(_tables(data)),
-        budget=("area", "area_own", "kappa") if float(data.surfaces) > 1 else ("area", "kappa"),
+        budget=("area", "area_own", "kappa") if data.surfaces > 1 else ("area", "kappa"),
         figures=tuple(_figures(data)),
-        findings=tuple(_findings(data)),
+        findings=tuple(_findings(data))[:_MOST_FINDINGS],
         cards=tuple(_cards(data)),
     )
 
@@ -85,10 +86,9 @@ def _tables(data: xr.Dataset) -> Iterator[Table | Listing]:
         if apart:
             agreement = f"{apart} has a contact algorithm of its own, so agreement tests both codes; the "
             agreement += "differences include that of the discretisations."
-        differences = (f"{name}_difference" for name in ("pressure", "area_pixel", "area_perimeter"))
         yield Table(
             _GRID_ROWS,
-            (*_GRID_ROWS, *differences),
+            (*_GRID_ROWS, *DIFFERENCES),
             title=f"Beside {_label(data, 0)} on the same grid",
             note="Same surface, same points, same load; of the pressure the relative L2 norm of the "
             f"difference. {agreement}",
@@ -129,7 +129,7 @@ def _cards(data: xr.Dataset) -> Iterator[Card]:
     half = area.error if area.error is not None and np.isfinite(area.error) else None
     if "accuracy_asked" in data:
         answer = told("asked {accuracy_asked:%}, reached {accuracy_reached:%~}", data)
-    elif half is not None and float(area.value):
+    elif half is not None and area.value:
         answer = note("+- {share:.2%}", share=half / float(area.value))
     scatter = (
         "single surfaces scatter by {scatter:.2%}" if several else "the scatter between surfaces is unknown"
@@ -173,42 +173,45 @@ def _finest(data: xr.Dataset) -> xr.Dataset:
     return first.sel(grid=str(first.grid_finest.item()))
 
 
-def _findings(data: xr.Dataset) -> list[Finding]:
+def _findings(data: xr.Dataset) -> Iterator[Finding]:
     """Say what was found, the most asked-for first; what finds no place among six stands in the tables."""
-    failed = [finding("refusal", "Not all solves succeeded: {failures}.", data)] if "failures" in data else []
-    findings = [*failed, *_area(data), *treatment_findings(data), *_theory(data)]
+    if "failures" in data:
+        yield finding("refusal", "Not all solves succeeded: {failures}.", data)
+    yield from _area(data)
+    yield from treatment_findings(data)
+    yield from _theory(data)
     if warnings := list(_warnings(data)):
         # One of several sentences, so that none is lost.
         form = " ".join(warning.form for warning in warnings)
-        findings.append(note(form, **{k: v for warning in warnings for k, v in warning.values.items()}))
+        yield note(form, **{k: v for warning in warnings for k, v in warning.values.items()})
     if "area_plastic_pixel" in data:
         text = "Yielded, A_pl/A0 = {area_plastic_pixel:.4} by {solver} on {grid} (points counted)"
         text += "[; {area_plastic_persson:.4} by the theory]."
-        findings.append(finding("share", text, _finest(data)))
+        yield finding("share", text, _finest(data))
     if "von_mises" in data:
         text = "The largest von Mises stress below the surface is {von_mises_reduced:.4} E* h'_rms "
         text += "({von_mises:u}), at a depth of {von_mises_depth_reduced:.3} lambda_short "
         text += "({von_mises_depth:u}; {solver} on {grid}): there the solid yields first. From the grid "
         text += "before it changed by {von_mises_change:+.2%}."
-        findings.append(finding("value", text, _finest(data)))
-    findings += [*_methods(data), *_edges(data)]
+        yield finding("value", text, _finest(data))
+    yield from _methods(data)
+    yield from _edges(data)
     if "cheapest" in data:
         text = "The cheapest way to within 1 % of the limit was {cheapest}: {seconds_cheapest:u}, off by "
         text += "{area_cheapest_off:+.2%}."
-        findings.append(finding("cost", text, data))
-    elif "accuracy_asked" not in data and bool(data.deviation_pixel.notnull().any()):
-        findings.append(note("No solve of this run is within 1 % of the limit: refine the grids."))
-    return findings[:_MOST_FINDINGS]
+        yield finding("cost", text, data)
+    elif "accuracy_asked" not in data and data.deviation_pixel.notnull().any():
+        yield note("No solve of this run is within 1 % of the limit: refine the grids.")
 
 
 def _area(data: xr.Dataset) -> Iterator[Finding]:
-    if float(data.area_own) >= 1 - 1e-12:
+    if data.area_own >= 1 - 1e-12:
         yield note("Contact is complete: A/A0 = 1 on the resolved grids, and refinement changes nothing.")
         return
     text = "A/A0 = {area_own} for this surface ({area_basis}), kappa = {kappa_own} at p* = "
     text += "{reduced_pressure:.4}.[ No limit over the grids: {no_limit}.]"
     yield finding("value", text, derive(data, kappa_own="area_own / reduced_pressure"))
-    if float(data.surfaces) > 1:
+    if data.surfaces > 1:
         which = "maps" if data.attrs.get("treatment") else "surfaces of this spectrum"
         text = f"Over {{surfaces}} {which} the mean is A/A0 = {{area}}; single ones scatter by "
         yield finding("value", text + "{scatter:.2%}.", data)
@@ -269,7 +272,7 @@ def _warnings(data: xr.Dataset) -> Iterator[Finding]:
     if coarse.size:
         names = ", ".join(map(str, coarse))
         yield note(f"Under-resolved (lambda_short <= 2 dx) and left out of every limit: {names}.")
-    if float(data.rms_gradient) > 0.3:
+    if data.rms_gradient > 0.3:
         form = "The gradient h'_rms = {rms_gradient:.3} is not small; all methods here assume small slopes."
         yield finding("note", form, data)
     if not np.isclose(data.contact_modulus, data.contact_modulus_below, rtol=1e-9):
@@ -363,7 +366,7 @@ def pressure_figure(data: xr.Dataset) -> Figure:
 
 def maps_figure(data: xr.Dataset) -> Figure:
     """Declare the pressure of every method on one grid, and their difference."""
-    there = [k for k in range(data.sizes["solver"]) if bool(data.pressure_map[k].notnull().any())]
+    there = [k for k in range(data.sizes["solver"]) if data.pressure_map[k].notnull().any()]
     pressure = Image("pressure_map", rows="y", cmap="viridis_r")
     panels = [against("x", pressure, at={"solver": k}, title=_label(data, k)) for k in there]
     if "pressure_map_difference" in data:

@@ -13,11 +13,13 @@ import xarray as xr
 
 from fem_contact.area import ContactAreas, contact_areas
 from fem_contact.contact import ContactResult
+from validation.comparison import fields, run_views
 from validation.comparison.numbers import scene_data
-from validation.comparison.reductions import grid_name
+from validation.comparison.reductions import DIFFERENCES, grid_name
 from validation.errors import NoLimit, UsageError
 from validation.execution.press import Press, solves_of
 from validation.notebook._tables import GridLike, as_html, checked, fast_grid, grids_of, map_of, on_places
+from validation.report.marks import Drawing, draw
 from validation.report.quantities import in_prefixed_unit, labelled
 from validation.report.values import Value, value_of
 from validation.report.words import significant
@@ -34,7 +36,6 @@ if TYPE_CHECKING:
 
     from fem_contact.patches import Patches
     from fem_contact.subsurface import Subsurface
-    from validation.report.marks import Drawing
 
 #: Points per shortest wave of the grids that a limit is taken over unless some are given.
 _LADDER = (4.0, 6.0, 8.0)
@@ -54,8 +55,8 @@ class Contact:
     @property
     def solve(self) -> Press:
         """The solve of the grid it was pressed on, of several of the finest."""
-        first, *others = self.solved
-        return max([first, *(s for s in others if s.method == first.method)], key=lambda s: math.prod(s.grid))
+        method = next(iter(self.solved)).method
+        return max((s for s in self.solved if s.method == method), key=lambda s: math.prod(s.grid))
 
     @property
     def result(self) -> ContactResult:
@@ -136,8 +137,7 @@ class Contact:
         if not isinstance(method, str) or method == self.solve.method:
             raise UsageError(f"against: it was pressed by {self.solve.method!r}; name another method")
         data = self._by({**dict(self.scene.methods), method: {"grids": [self.solve.grid]}}).data
-        names = ["pressure_difference", "area_pixel_difference", "area_perimeter_difference"]
-        return data[names].sel(solver=method, grid=grid_name(self.solve.grid))
+        return data[list(DIFFERENCES)].sel(solver=method, grid=grid_name(self.solve.grid))
 
     @cached_property
     def data(self) -> xr.Dataset:
@@ -148,9 +148,7 @@ class Contact:
     @property
     def findings(self) -> tuple[str, ...]:
         """What a run would say of it."""
-        from validation.comparison.run_views import run_views
-
-        return tuple(finding.text for finding in run_views(self.data).findings)
+        return tuple(finding.text for finding in run_views.run_views(self.data).findings)
 
     @cached_property
     def theory(self) -> Prediction | None:
@@ -220,9 +218,6 @@ class Contact:
         A notebook shows it; ``.figure.savefig(...)`` writes it, ``.data`` has its numbers. With `ax` it is
         drawn into axes of matplotlib.
         """
-        from validation.comparison import fields, run_views
-        from validation.report.marks import draw
-
         own = {self.solve: self.result}
         match what if isinstance(what, str) else None:
             case "pressure":
@@ -241,9 +236,10 @@ class Contact:
     def _on(self, grids: Sequence[GridLike] | None = None) -> Contact:
         """Press on other grids, if not given on 4, 6, 8 points per wave."""
         name, problem = self.solve.method, self.problem
-        usual = [fast_grid(problem.lengths, problem.shortest, points) for points in _LADDER]
+        if grids is None:
+            grids = [fast_grid(problem.lengths, problem.shortest, points) for points in _LADDER]
         options = self.scene.methods.options(name).model_dump(exclude_unset=True)
-        return self._by({name: {**options, "grids": usual if grids is None else grids}})
+        return self._by({name: {**options, "grids": grids}})
 
     def _by(self, methods: Mapping[str, Any]) -> Contact:
         """Press by other methods; what is solved is not solved again."""
