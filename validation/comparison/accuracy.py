@@ -44,11 +44,12 @@ def parse_accuracy(text: str) -> float:
     >>> parse_accuracy("1%"), parse_accuracy("0.01"), parse_accuracy("2.5 %")
     (0.01, 0.01, 0.025)
     """
-    allowed = "must be a share such as 1% or 0.01, above 0 and at most 50%"
-    match = re.fullmatch(r"\s*(\d+\.?\d*(?:[eE][-+]?\d+)?|\.\d+(?:[eE][-+]?\d+)?)\s*(%?)\s*", text)
+    match = re.fullmatch(r"\s*((?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(%?)\s*", text)
     value = float(match[1]) / (100 if match[2] else 1) if match else math.nan
     if not 0 < value <= 0.5:
-        raise UsageError(f"--accuracy = {text!r}: {allowed}")
+        raise UsageError(
+            f"--accuracy = {text!r}: must be a share such as 1% or 0.01, above 0 and at most 50%"
+        )
     if value > 0.1 and match and not match[2]:
         raise UsageError(f"--accuracy = {text!r}: is that {value:g}% or {100 * value:g}%? say which")
     return value
@@ -97,8 +98,7 @@ class AccuracyResult(Single):
         yield (
             f"Asked for {100 * self.target:g} %: A/A0 = {self.area:.6g} +- {percent(self.error)} (95 %: grid "
             f"and solver) in the limit of vanishing grid spacing for this surface, of the area "
-            f"{edge[self.located]}, by "
-            f"boundary elements on {grid_words(self.grids)}, {self.shifts**2} "
+            f"{edge[self.located]}, by boundary elements on {grid_words(self.grids)}, {self.shifts**2} "
             f"shift{'s' if self.shifts > 1 else ''} each, solved to {self.tolerance:g}."
         )
         for other in self.beside:

@@ -239,8 +239,9 @@ class Search:
     @cached_property
     def others(self) -> dict[str, tuple[Press, ...]]:
         """Solves of the other methods that the scene lists, by method."""
-        names = [name for name in self.scene.methods.solvers if name != "bem"]
-        return {name: self._solves(**{name: self.scene.methods.options(name)}) for name in names}
+        methods = self.scene.methods
+        names = [name for name in methods.solvers if name != "bem"]
+        return {name: self._solves(**{name: methods.options(name)}) for name in names}
 
     @cached_property
     def shared(self) -> Grids:
@@ -266,7 +267,8 @@ class Search:
             if limit.doubt and resolved and not too_small(areas):
                 raise RunFailed(f"{self.bench.wanted}: {limit.doubt}; all solves are stored")
             # Where grids disagree by more than the law allows, they will again.
-            self.doubt = max(self.doubt, _SPARE * error / ladder.error) if np.isfinite(error) else self.doubt
+            if np.isfinite(error):
+                self.doubt = max(self.doubt, _SPARE * error / ladder.error)
             if error <= self.target:
                 return Single(
                     grids=ladder.grids, shifts=ladder.shifts, area=limit.value, error=error, finest=known
@@ -313,7 +315,8 @@ class Search:
             limit = no_limit("no grid resolves the surface")
             try:
                 self._solved(solves)
-                limit = limit_over([self.areas[solve] for solve in resolved]) if resolved else limit
+                if resolved:
+                    limit = limit_over([self.areas[solve] for solve in resolved])
             except RunFailed as error:  # it does not keep the others from being heard
                 limit = no_limit(str(error))
             others.append(
@@ -419,8 +422,8 @@ class Search:
     def _cheapest(self, ladders: Iterable[Ladder], tried: set[Grids], *, share: float) -> Ladder:
         left = [ladder for ladder in ladders if ladder.grids not in tried]
         affordable = [ladder for ladder in left if self.bench.affordable(ladder.seconds, ladder.peak_bytes)]
-        good = [ladder for ladder in left if ladder.error <= share * self.target]
-        good.sort(key=lambda ladder: ladder.seconds)
+        enough = [ladder for ladder in left if ladder.error <= share * self.target]
+        good = sorted(enough, key=lambda ladder: ladder.seconds)
         for ladder in good:
             if ladder in affordable:
                 return ladder
