@@ -202,12 +202,12 @@ def sweep_data(sweep: Sweep, cases: Sequence[ContactProblem], results: Solves) -
     names = [key.name for key in sweep.keys]
     parts = [part.drop_vars(names, errors="ignore") for part in parts]
     if sweep.mode == "zip":
-        data = gather(dict(enumerate(parts, 1)), case=range(1, len(parts) + 1))
+        data = gather(dict(enumerate(parts, 1)), "case")
         data = data.assign_coords({key.name: ("case", list(key.values)) for key in sweep.keys})
     else:
-        places = [key.values for key in sweep.keys]
-        every = [place[0] if len(names) == 1 else place for place in itertools.product(*places)]
-        data = gather(dict(zip(every, parts, strict=True)), **dict(zip(names, places, strict=True)))
+        places = {key.name: key.values for key in sweep.keys}
+        every = [place[0] if len(names) == 1 else place for place in itertools.product(*places.values())]
+        data = gather(dict(zip(every, parts, strict=True)), **places)
     for key in sweep.keys:
         data[key.name].attrs.update(units=key.unit, long_name=key.key, key=key.key)
         data = data.sortby(key.name) if sweep.mode == "product" and key.numeric else data

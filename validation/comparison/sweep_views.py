@@ -78,6 +78,10 @@ def _several(data: xr.Dataset) -> bool:
     return "surfaces" in data and bool((data.surfaces > 1).any())
 
 
+def _known(data: xr.Dataset, name: str) -> bool:
+    return name in data and bool(data[name].notnull().any())
+
+
 def _numeric(data: xr.Dataset, key: str) -> bool:
     return data[key].dtype.kind in "fiu"
 
@@ -93,14 +97,14 @@ def _ends(form: str, values: xr.DataArray, **more: Any) -> Finding:
 
 def _cards(data: xr.Dataset) -> Iterator[Card]:
     area = data[_answer(data)]
-    if not bool(area.notnull().any()):
+    if not area.notnull().any():
         return
     basis = "theory alone, from C(q)"
     if "area" in data:
         count = f"{float(data.surfaces.max()):.0f}"
         basis = f"means over {count} surfaces of each spectrum" if _several(data) else "one surface"
     yield Card(HOW_LARGE, in_shown_range(area), basis)
-    if "area" in data and bool((data.area_error > 0).any()):
+    if "area" in data and (data.area_error > 0).any():
         held = dict.fromkeys(sources_of(here.area_error) for here in each(data, *_over(data)))
         share = total_error(data, "area") / data.area
         basis = f"95 %: {' or '.join(filter(None, held)) or 'all sources of this spectrum and period'}"
@@ -114,7 +118,7 @@ def _cards(data: xr.Dataset) -> Iterator[Card]:
         yield Card(
             "How far is one surface from another?", answer, "standard deviation of one over their mean"
         )
-    if "area_excess" in data and bool(data.area_excess.notnull().any()):
+    if _known(data, "area_excess"):
         answer = _ends("{low:+.3%}[ to {high:+.3%}]", data.area_excess)
         yield Card(HOW_FAR, answer, "area over the theory with the realised gradient, less one")
 
@@ -127,7 +131,7 @@ def _findings(data: xr.Dataset) -> Iterator[Finding]:
         yield note("In {failed} of {cases} cases solves failed: {why}.", why=words, **count)
     for key in _varying(data):
         yield from _along(data, key)
-    if "area_excess" in data and bool(data.area_excess.notnull().any()):
+    if _known(data, "area_excess"):
         excess = data.area_excess
         half = (data.area_excess_error.sel(source=["surfaces", "grid", "solver"]) ** 2).sum("source") ** 0.5
         yield _ends(
@@ -152,7 +156,7 @@ def _findings(data: xr.Dataset) -> Iterator[Finding]:
             "p* and kappa stand on E* of the layer at the surface: they are no numbers of a homogeneous "
             "solid."
         )
-    if int(data.attrs.get("solves", 0)):
+    if data.attrs.get("solves"):
         cases, solves, asked = (float(data.attrs[name]) for name in ("cases", "solves", "asked"))
         form = "Cases: {cases}; solves: {solves}"
         form += "[; {shared} more were asked for by several cases and done once]."
@@ -160,7 +164,7 @@ def _findings(data: xr.Dataset) -> Iterator[Finding]:
 
 
 def _is_seed(data: xr.Dataset, key: str) -> bool:
-    return bool(data[key].attrs["key"] == "surface.seed")
+    return str(data[key].attrs["key"]) == "surface.seed"
 
 
 def _along(data: xr.Dataset, key: str) -> Iterator[Finding]:
@@ -187,12 +191,11 @@ def _along(data: xr.Dataset, key: str) -> Iterator[Finding]:
         return
     yield from _power(known, name, key, dim)
     ends = {
-        f"{name}_{end}{of}": known[f"{name}{of}"].isel({dim: k}, drop=True)
+        f"{name}_{end}{of}": known[f"{name}{of}"].isel({dim: k}, drop=True).reset_coords(drop=True)
         for end, k in (("start", 0), ("end", -1))
         for of in ("", "_error")
     }
-    pair = xr.Dataset({n: v.drop_vars([c for c in v.coords if c != "source"]) for n, v in ends.items()})
-    pair = derive(pair, change=f"{name}_end / {name}_start - 1")
+    pair = derive(xr.Dataset(ends), change=f"{name}_end / {name}_start - 1")
     if dim == "case":
         known = xr.Dataset(coords={key: ("case", known[key].values, known[key].attrs)})
     first, last = (place_words(known.isel({dim: k}), dim, known) for k in (0, -1))
@@ -215,9 +218,8 @@ def _along(data: xr.Dataset, key: str) -> Iterator[Finding]:
 
 def _power(known: xr.Dataset, name: str, key: str, dim: str) -> Iterator[Finding]:
     """Say with which power of a scale the area goes, where four values or more tell its interval."""
-    if not _numeric(known, key) or quantity_of(known, key).linear or _is_seed(known, key):
-        return
-    if known.sizes[dim] > 3 and bool((known[key] > 0).all()):
+    scaled = _numeric(known, key) and not quantity_of(known, key).linear and not _is_seed(known, key)
+    if scaled and known.sizes[dim] > 3 and (known[key] > 0).all():
         law = power_law(known, "exponent", of=name, x=key, along=[dim])
         yield finding(
             "trend",
@@ -244,7 +246,7 @@ def _figures(data: xr.Dataset) -> Iterator[Figure]:
     }
     for key in _varying(data):
         for name, (words, listed) in drawn.items():
-            variables = [v for v in listed if v in data and bool(data[v].notnull().any())]
+            variables = [v for v in listed if _known(data, v)]
             if variables:
                 yield _figure(data, key, variables, name=name, words=words)
 
@@ -260,8 +262,8 @@ def _figure(data: xr.Dataset, key: str, variables: Sequence[str], *, name: str, 
     if name == "area" and "area_lowest" in data and not along:
         marks.append(Band("area_lowest", high="area_highest", label="single surfaces", at=at))
     for n, k in enumerate(shown):
-        place = {**at, **({along: int(k)} if along else {}), "solver": 0}
-        where = place_words(data.isel({along: int(k)}), along, data) if along else ""
+        here = {along: int(k)} if along else {}
+        where = place_words(data.isel(here), along, data) if along else ""
         for variable in variables:
             # The theory's, or a method's, and of how many surfaces.
             whose = quantity_of(data, variable).which
@@ -269,8 +271,10 @@ def _figure(data: xr.Dataset, key: str, variables: Sequence[str], *, name: str, 
                 whose = f"{find_method(str(data.solver.values[0])).label}, {surfaces}"
             look = {"color": f"C{n}"} if along else {}
             label = ", ".join(filter(None, (whose.removesuffix(", finest"), where)))
-            marks.append(Line(variable, at=place, look=look, label=label, joined=joined))
-    fixed = f", {', '.join(place_words(data.isel({o: k}), o, data) for o, k in at.items())}" if at else ""
+            marks.append(
+                Line(variable, at={**at, **here, "solver": 0}, look=look, label=label, joined=joined)
+            )
+    fixed = "".join(f", {place_words(data.isel({other: k}), other, data)}" for other, k in at.items())
     one = "" if _several(data) or "area" not in data else " One surface."
     scaled = _numeric(data, key) and not quantity_of(data, key).linear
     log = "x" * (scaled and _spans(data[key].values, _WIDE_X))

@@ -48,12 +48,12 @@ def theory_data(scene: Scene, problem: ContactProblem) -> xr.Dataset:
     data["kappa_ensemble"] = (data.area_ensemble / data.pressure * scale).where(data.pressure > 0)
     if inputs.work is not None:
         data = data.assign(work=inputs.work)
-    error = data.error_estimate if bool((data.error_estimate > 0).any()) else "it is a closed form"
+    error = data.error_estimate if (data.error_estimate > 0).any() else "it is a closed form"
     absent = {"surfaces": "it is of C(q)", "grid": "nothing is solved", "solver": "nothing is solved"}
     data = claim(data, "area_ensemble", theory=error, **absent)
     words = theory_words(inputs, scene.methods.options("theory"))
-    data = labelled(data, scene.given).assign_attrs(about(scene, problem))
-    return data.assign_attrs(theory=words, drawn=int(problem.has_heights))
+    told = about(scene, problem) | {"theory": words, "drawn": int(problem.has_heights)}
+    return labelled(data, scene.given).assign_attrs(told)
 
 
 def _at_load(answer: Answer, inputs: TheoryInputs, problem: ContactProblem) -> xr.Dataset:
