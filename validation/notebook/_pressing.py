@@ -135,9 +135,9 @@ def theory(
     check_scene(scene, problem)
     data = theory_data(scene, problem).set_coords("reduced_pressure")
     names = {"area_ensemble": "area", "area_plastic_ensemble": "area_plastic"}
-    variables = data[[*(name for name in names if name in data), "error_estimate"]].drop_attrs(deep=False)
+    there = {name: called for name, called in names.items() if name in data}
     note = "; ".join(dict.fromkeys(filter(None, data.theory_note.values.tolist())))
-    return variables.rename({n: names[n] for n in names if n in variables}).assign_attrs(note=note)
+    return data[[*there, "error_estimate"]].drop_attrs(deep=False).rename(there).assign_attrs(note=note)
 
 
 def table(contacts: Iterable[Contact], *, along: str | None = None, limit: bool = False) -> xr.Dataset:
@@ -246,9 +246,10 @@ def _tables(surface: object, solid: object, numbers: tuple[Any, Any, Any, Any]) 
 def _effects(effects: Mapping[str, Any]) -> list[dict[str, Any]]:
     """Return effects as a scene lists them: a table, or the field that bears the name of the effect."""
     kinds, listed = effect_kinds(), []
-    for name, value in ((name.replace("_", "-"), value) for name, value in effects.items()):
+    for argument, value in effects.items():
+        name = argument.replace("_", "-")
         if name not in kinds:
-            allowed = [name for name in (*signature(press).parameters, *kinds) if name != "effects"]
+            allowed = [one for one in (*signature(press).parameters, *kinds) if one != "effects"]
             hint = did_you_mean(name, allowed) or ";"
             raise UsageError(f"{name}: no such argument or effect{hint} Allowed: {', '.join(allowed)}")
         if value is True:

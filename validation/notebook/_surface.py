@@ -28,6 +28,7 @@ from validation.notebook._tables import (
     plain,
     shown,
 )
+from validation.report.marks import Drawing, draw
 from validation.report.values import Value
 from validation.scenes import surfaces
 from validation.scenes.scene import sized
@@ -45,8 +46,6 @@ _ROUNDING = 1e-24
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-
-    from validation.report.marks import Drawing
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
@@ -109,8 +108,6 @@ class Surface:
 
     def plot(self, *, ax: Axes | None = None) -> Drawing:
         """Draw the map of the heights; with `ax` into axes of matplotlib."""
-        from validation.report.marks import draw
-
         field, table = self.field, self.table
         if not isinstance(table, FileSurface):  # finer than it takes to resolve it
             field = surfaces.height_field(table, fast_grid(field.lengths, table.lambda_short, 8.0))
@@ -184,7 +181,8 @@ def self_affine(
     ... ).heights(64).shape
     (64, 64)
     """
-    options = {
+    table = {
+        "kind": "self-affine",
         "length": length,
         "hurst": hurst,
         "lambda_long": lambda_long,
@@ -192,8 +190,8 @@ def self_affine(
         "rms_gradient": rms_gradient,
         "rms_height": rms_height,
         "seed": seed,
+        **others,
     }
-    table = {"kind": "self-affine", **options, **others}
     return Surface(table=checked(SelfAffineSurface, "self_affine", table))
 
 
@@ -225,35 +223,32 @@ def measured(
     if "more_paths" in treatment:
         each = "table([press(measured(path, ...), ...) for path in paths])"
         raise UsageError(f"measured: more_paths is of an ensemble, which a scene has; press each map: {each}")
+    table = {"kind": "file", **treatment}
     if not treatment.keys() <= FileSurface.model_fields.keys():
-        checked(FileSurface, "measured", {"kind": "file", **treatment})  # which names the unknown key
-    options = {"kind": "file", "length": length, "unit": unit, **treatment}
+        checked(FileSurface, "measured", table)  # which names the unknown key
     if isinstance(heights, (str, os.PathLike)):
-        options["path"] = str(heights)
+        table |= {"path": str(heights), "length": length, "unit": unit}
         try:
-            tables = sized(plain({"surface": options}), Path(), "measured")
+            tables = sized(plain({"surface": table}), Path(), "measured")
         except SceneError as error:  # what else is wrong is told when it is pressed
             problems = [words for words in error.problems if not words.startswith("cannot be pressed")]
             raise SceneError("measured", problems) from None
         on_file = checked(FileSurface, "measured", tables["surface"])
         return Surface(table=on_file, given=_Measured.read(on_file))
     values, own_length, own_unit, words = _told_by(heights)
-    if length is None and own_length is None:
+    length = own_length if length is None else length
+    unit = own_unit if unit is None else unit
+    if length is None:
         raise UsageError('measured: length is missing; give the size of the patch, as length="100 um"')
-    if unit is None and own_unit is None:
+    if unit is None:
         raise UsageError(
             'measured: unit is missing; give the unit of the heights, as unit="1 nm" or unit=1 for m'
         )
     nx, ny = values.shape
-    single = length is not None and np.ndim(length) == 0 and sides_of(length) is None
-    if single and nx != ny:
+    if np.ndim(length) == 0 and sides_of(length) is None and nx != ny:
         raise UsageError(f"measured: one length for {nx} x {ny} points; give both sides, as length=(Lx, Ly)")
-    options |= {
-        "path": words,
-        "length": own_length if length is None else length,
-        "unit": own_unit if unit is None else unit,
-    }
-    in_memory = checked(FileSurface, "measured", options)
+    table |= {"path": words, "length": length, "unit": unit}
+    in_memory = checked(FileSurface, "measured", table)
     assert in_memory.unit is not None
     raw = Topography(
         heights=np.where(np.isfinite(values), values, np.nan) * in_memory.unit,
