@@ -294,20 +294,15 @@ def _surfaces(case: Case) -> xr.Dataset | None:
         here = readings[0].solve.problem if readings else case.problem.further(k)
         limit = limit_of([reading.areas for reading in readings])
         area, half = xr.DataArray(limit.value), NORMAL * limit.uncertainty
-        held = here.load.held
-        pressure = math.nan if held else here.pressure
-        if held and readings:
-            pressure = float(readings[-1].numbers.mean_pressure)
         part = {
             "area_each": area.assign_attrs(reduction="limit"),
             "area_each_error": error_of(area, grid=half, **_HALF_SPACE),
             "rms_gradient_each": here.field.rms_gradient,
-            "reduced_pressure_each": pressure / (case.modulus * here.field.rms_gradient),
+            "reduced_pressure_each": here.pressure / (case.modulus * here.field.rms_gradient),
             "solve_surface": ("surface_grid", [on[g].solve.key if g in on else "" for g in grids]),
         }
         if options is not None:
-            under = here.under(Load(pressure=pressure)) if held else here
-            part["area_persson_each"] = predict(under, case.scene.effects, options).area
+            part["area_persson_each"] = predict(here, case.scene.effects, options).area
         if failed:
             part["failure_each"] = failed.get(k, "")
         parts[k] = xr.Dataset(part, coords={"surface_grid": [grid_name(grid) for grid in grids]})

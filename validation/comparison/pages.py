@@ -105,7 +105,7 @@ def _seeds(scene: Scene, data: xr.Dataset) -> str:
         return "none: the surface was measured"
     if not scene.methods.solvers:
         return "none: no surface was drawn"
-    if scene.ensemble is None or scene.ensemble.realisations < 2:
+    if scene.ensemble is None:
         return str(surface.seed)
     last = surface.seed_of(scene.ensemble.realisations - 1)
     return f"{surface.seed} (the surface shown), {surface.seed} to {last} (scatter between surfaces)"
