@@ -370,7 +370,7 @@ def maps_figure(data: xr.Dataset) -> Figure:
     pressure = Image("pressure_map", rows="y", cmap="viridis_r")
     panels = [against("x", pressure, at={"solver": k}, title=_label(data, k)) for k in there]
     if "pressure_map_difference" in data:
-        difference = Image("pressure_map_difference", rows="y", cmap="RdBu_r")
+        difference = Image("pressure_map_difference", rows="y", cmap="RdBu_r", symmetric=True)
         title = f"{_label(data, there[1])} - {_label(data, there[0])}"
         panels.append(against("x", difference, title=title))
     return Figure(

@@ -198,8 +198,6 @@ def draw(figure: Figure, data: xr.Dataset, *, axes: Axes | None = None) -> Drawi
         canvas.colorbar(line.artist, ax=list(places) if common else line.axes, label=mathtext(line.label))
     if axes is None:
         _legend(canvas, list(places))
-        if images:  # squares of equal scale leave their labels too little place
-            canvas.set_layout_engine("constrained", w_pad=0.15)
     elif axes.get_legend_handles_labels()[0]:
         axes.legend(fontsize=7)
     named = ((one.mark.y, one.x, getattr(one.mark, "high", "")) for one in drawn)
