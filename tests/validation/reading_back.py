@@ -52,9 +52,15 @@ def misdrawn(drawing, data):
 
 
 def _scales_of_colour(drawing, images):
-    """Say so where a map lacks its bar of colours: its own, or that of all where all are symmetric."""
+    """Say so where a map lacks its bar of colours: its own, or that of all where all are symmetric.
+
+    Colours that part at white part at zero.
+    """
     shared = len(images) > 1 and all(one.mark.symmetric for one in images)
     for one in images[:1] if shared else images:
+        low, high = one.artist.get_clim()
+        if one.artist.get_cmap().name == "RdBu_r" and low != -high:
+            yield f"{drawing.name}: the white of {one.label!r} is not zero"
         beside = [one.axes for one in images] if shared else [one.axes]
         if one.artist.colorbar.ax._colorbar_info["parents"] != beside:
             yield f"{drawing.name}: the colours of {one.label!r} are told beside another panel"

@@ -11,7 +11,6 @@ from validation.cases import run_cases
 from validation.cases.scorecard import Subject, rows, score
 from validation.cases.scorecard.diagnosis import diagnose
 from validation.cases.scorecard.elementary import WAVES, Transfer
-from validation.solvers.base import Claim
 from validation.solvers.bem import Bem
 
 
@@ -25,7 +24,7 @@ class Spoilt(Bem):
         self.before, self.after, self.mask = before, after, mask
 
     def claim(self, job):
-        found = Claim.of(self.solve(self.before(job)).contact)
+        found = super().claim(self.before(job))
         pressure = np.array(self.after(found.pressure, job), dtype=float)
         return replace(found, pressure=pressure, in_contact=self.mask(found.in_contact, found.pressure))
 

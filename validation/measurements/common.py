@@ -26,6 +26,9 @@ BASE_SOLID = SolidSpec(young=1e9, poisson=0.3)
 #: Shortest waves along a side of the surface of a study: with eight points each, a grid of 16384 x 16384.
 _MOST_WAVES = 2048
 
+#: Loads closer than this, relative, are one.
+_SAME = 1e-9
+
 
 def base_surface(
     *, hurst: float, periods: float, bandwidth: float, seed: int, length: float = 1e-3, gradient: float = 0.1
@@ -70,6 +73,15 @@ def base_case(
 def reduced_load(problem: ContactProblem) -> float:
     """Return p* as it was given, or else from p0."""
     return problem.reduced_pressure if problem.load.reduced_pressure is None else problem.load.values[0]
+
+
+def merged_loads(path: Any, problem: ContactProblem) -> tuple[float, ...]:
+    """Return the loads [p*] of a problem, where it is one with those of a path."""
+    loads = problem.load.values
+    if problem.load.reduced_pressure is None:
+        loads = tuple(pressure / problem.pressure_scale for pressure in problem.pressures)
+    others = [float(p) for p in path if abs(float(p) / loads[0] - 1) > _SAME] if len(loads) == 1 else []
+    return tuple(sorted({*others, *loads}))
 
 
 def in_rising_order(values: tuple[Any, ...]) -> tuple[Any, ...]:

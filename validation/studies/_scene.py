@@ -12,7 +12,7 @@ from pydantic import Field, ValidationError, model_validator
 from validation.arrays import Grid
 from validation.effects.base import SlotName, effect_key
 from validation.execution.press import Press
-from validation.measurements.common import BASE_SOLID, base_case
+from validation.measurements.common import BASE_SOLID, base_case, merged_loads
 from validation.measurements.measurement import grids_for
 from validation.scenes.checks import check_scene
 from validation.scenes.problem import ContactProblem, realise
@@ -22,9 +22,6 @@ from validation.solvers import chosen_solver, find_solver
 from validation.solvers.base import Settings
 from validation.studies._options import Bandwidth, Hurst, Periods, Seed, StudyOptions, Surfaces
 from validation.units import wrong
-
-#: Loads closer than this, relative, are one.
-_SAME = 1e-9
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -77,7 +74,7 @@ class PressedOptions(StudyOptions):
             raise wrong("; ".join(_clash(name, off=name in cls.off, scene=scene.name) for name in clashes))
         if "reduced_pressures" in cls.model_fields:
             path = data.get("reduced_pressures", cls.model_fields["reduced_pressures"].default)
-            taken["reduced_pressures"] = _merged(path, first)
+            taken["reduced_pressures"] = merged_loads(path, first)
         return {**data, **taken, "scene": scene}
 
     @classmethod
@@ -220,10 +217,8 @@ class PressedOptions(StudyOptions):
 
     def tolerance(self, usual: float) -> float:
         """Return the tolerance of boundary elements: that of the scene where it says one."""
-        table = None if self.scene is None else self.scene.methods.options("bem")
-        if table is None or "tolerance" not in table.model_fields_set:
-            return usual
-        return float(table.tolerance)
+        said = {} if self.scene is None else self.scene.methods.options("bem").model_dump(exclude_unset=True)
+        return float(said.get("tolerance", usual))
 
     @property
     def spectrum_words(self) -> dict[str, float]:
@@ -290,15 +285,6 @@ def _clash(name: str, *, off: bool, scene: str) -> str:
     key = _KEYS.get(name)
     remedy = f"set it there, by --set {key}=..., or leave" if key else "leave"
     return f"{flag}: the scene {scene!r} says it; {remedy} {flag} out"
-
-
-def _merged(path: Any, problem: ContactProblem) -> tuple[float, ...]:
-    """Return the loads [p*] of a problem, where it is one with those of a path."""
-    loads = problem.load.values
-    if problem.load.reduced_pressure is None:
-        loads = tuple(pressure / problem.pressure_scale for pressure in problem.pressures)
-    others = [float(p) for p in path if abs(float(p) / loads[0] - 1) > _SAME] if len(loads) == 1 else []
-    return tuple(sorted({*others, *loads}))
 
 
 def _shown(value: Any) -> str:
