@@ -22,6 +22,7 @@ import validation
 from validation import notebook, units
 from validation.cli import app
 from validation.effects import effect_kinds
+from validation.effects.hardness import Hardness
 from validation.measurements.hard_cases import CASES
 from validation.solvers import find_solver
 from validation.solvers.base import Size
@@ -88,6 +89,8 @@ def found():
         cost = asdict(find_solver(name).cost(Size(grid=(24, 60), lengths=(2.0, 5.0), settings=settings)))
         pairs.append((f"cost of {name} {settings}", [f"{key} {value:.9g}" for key, value in cost.items()]))
     pairs += [(f"cost of {name}", effect.cost) for name, effect in effect_kinds().items()]
+    by_size = Hardness(hardness=1e9, size_wavelength=1e-6, size_exponent=0.5)
+    pairs += [("contacts until one bears its hardness by size", by_size.solves)]
     # Quantities, also those that only a command line has.
     annotated = ((name, kind) for name, kind in vars(units).items() if get_origin(kind) is Annotated)
     pairs += [

@@ -249,6 +249,9 @@ def test_solves_that_cases_share_are_done_once(small_scene):
     assert explained["seconds"] == pytest.approx(sum(cost.seconds for cost in costs))
     assert explained["peak_bytes"] == max(cost.peak_bytes for cost in costs)
     assert len(solves_of_sweep(sweep, problems_of(sweep))) == 12
+    theory_alone = load_asked("polished-steel", ["sweep.load.pressure=['1 MPa', '10 MPa']"])
+    costs = explain_sweep(theory_alone).summary()
+    assert [costs[name] for name in ("solves", "asked", "seconds", "peak_bytes")] == [0] * 4
 
 
 def test_a_surface_that_cases_share_is_made_once(load_sweep):
