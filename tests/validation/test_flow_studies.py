@@ -100,6 +100,11 @@ def test_a_threshold_is_bracketed_in_area_and_only_if_asked_in_place(monkeypatch
     assert abs(coarse - 0.7) > 0.01
 
 
+def test_a_contact_is_started_from_the_one_of_the_nearest_load_by_their_ratio():
+    states = flow.States(lambda load, start: SimpleNamespace(pressure=load, start=start))
+    assert [states(load).start for load in (0.1, 3.0, 0.2, 1.0, 0.1)] == [None, 0.1, 0.1, 3.0, None]
+
+
 def test_the_widest_path_has_a_narrowest_place_unless_the_gap_is_closed(leaking):
     _, data = leaking
     assert np.array_equal(data.constriction_axis_each.values > 0, data.closed_axis_each.values == 0)

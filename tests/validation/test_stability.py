@@ -118,6 +118,17 @@ def test_an_outcome_is_right_only_for_a_small_error_of_a_converged_solve(monkeyp
     np.testing.assert_allclose(worst, 0.5 if outcome == "right" else math.nan)
 
 
+def test_an_offset_that_moves_by_twice_what_rounding_can_is_twice_too_far():
+    pressed = []
+
+    def press(field, _):
+        pressed.append(field.heights)
+        offset = 2 * np.max(np.abs(pressed[-1] - pressed[0]))
+        return SimpleNamespace(offset=offset, status=Status.CONVERGED, residuals=SimpleNamespace(worst=0.0))
+
+    assert hard_cases._few_bits(press, 8.0).error == pytest.approx(2.0, rel=0.01)
+
+
 @pytest.mark.parametrize("ended", [Status.CONVERGED, Status.STAGNATED])
 def test_a_path_is_as_good_as_the_worst_of_its_solves(monkeypatch, ended):
     def found(worst, status=Status.CONVERGED):

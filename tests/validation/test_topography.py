@@ -122,6 +122,7 @@ def test_netcdf_units_and_holes_are_those_of_the_file(tmp_path, mask):
             positions[...] = np.arange(count) * 0.5
         heights = file.createVariable("height", "f4", ("x", "y"), fill_value=-9999.0)
         heights.units = "nm"
+        heights.scale_factor, heights.add_offset = 2.0, 1.0  # which the library undoes
         heights[...] = np.ma.masked_equal(np.arange(12.0).reshape(4, 3), 5.0)
         if mask:
             file.createVariable("mask", mask, ("x", "y"))[...] = np.eye(4, 3)
