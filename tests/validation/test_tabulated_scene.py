@@ -91,6 +91,16 @@ def test_fewer_waves_than_those_of_the_table(scene):
         _ = realise(scene(TABULATED + 'lambda_long = "60 um"\n')).spectrum
 
 
+def test_what_the_table_says_near_its_ends_is_kept(scene):
+    table = rows(5)
+    table[1:4, 1] *= 30  # a hill that straight lines from end to end would miss
+    within = scene(
+        TABULATED + 'units = ["1/m", "m^4"]\nlambda_long = "49 um"\nlambda_short = "5.1 um"', table
+    )
+    spectrum = realise(within).spectrum
+    assert_allclose(spectrum(table[1:4, 0]), table[1:4, 1], rtol=1e-9)
+
+
 def _with(row, column, value):
     table = rows(20)
     table[row, column] = value
