@@ -10,8 +10,10 @@ from pathlib import Path
 
 import numpy as np
 import pint
+from matplotlib.colors import same_color
 
 import validation.report
+from validation.report.words import mathtext
 
 UNITS = pint.UnitRegistry()
 REGISTRY = tomllib.loads((Path(validation.report.__file__).parent / "quantities.toml").read_text())
@@ -107,6 +109,7 @@ def _mark(one, data):
         yield f"an axis has a unit that is none of {one.x}, {one.mark.y}"
         return
     yield from _words(one)
+    yield from _look(one, kind)
     if kind == "Band":
         return
     if kind == "Line" and not one.mark.joined and one.artist.lines[0].get_linestyle() != "None":
@@ -240,6 +243,16 @@ def _words(one):
     for name, entry in REGISTRY["qualifiers"].items():
         if one.mark.label is None and rest == name and entry["words"] not in one.label:
             yield f"its label lacks {entry['words']!r}"
+
+
+def _look(one, kind):
+    """Say so where what is drawn has another label, or another colour, than its mark was given."""
+    said = one.artist.get_label()
+    if said != mathtext(one.label) and (one.label or not said.startswith("_")):
+        yield f"its legend says {said!r}"
+    line = getattr(one.artist, "lines", [one.artist])[0]
+    if kind != "Band" and not same_color(line.get_color(), one.look["color"]):
+        yield f"its colour is not {one.look['color']}"
 
 
 def _factor(name, axis):

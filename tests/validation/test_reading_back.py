@@ -70,6 +70,8 @@ MISTAKES = {
     "metres under micrometres": lambda f: line(f, 3).set_ydata(np.array([3e-6, 2e-6, 1e-6])),
     "another unit": lambda f: f.drawn[3].axes.set_ylabel(in_nanometres(f.drawn[3].axes.get_ylabel())),
     "axis without a name": lambda f: f.drawn[0].axes.set_xlabel(""),
+    "legend of another": lambda f: f.drawn[0].artist.set_label(f.drawn[1].label),
+    "colour of none": lambda f: line(f, 0).set_color("red"),
 }
 
 
@@ -101,6 +103,7 @@ MISTAKES_IN_A_MAP = {
     "of another solver": lambda one: one.artist.set_array(one.artist.get_array() + 9),
     "in another unit": lambda one: object.__setattr__(one, "label", one.label.replace("MPa", "GPa")),
     "rows in another": lambda one: one.axes.set_ylabel(in_nanometres(one.axes.get_ylabel())),
+    "parted beside zero": lambda one: one.artist.set_cmap("RdBu_r"),
 }
 
 

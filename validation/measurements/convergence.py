@@ -167,8 +167,7 @@ def line(
     for field, value in (("limit", limit), ("slope", slope)):
         sources: dict[str, Any] = {"surfaces": n[f"{field}_scatter"], drift: n[f"{field}_drift"]}
         if field == "limit" and f"{name}_error" in data:
-            grid = data[f"{name}_error"].sel(source="grid", drop=True).max(along, skipna=False)
-            sources["grid"] = (grid**2 + sources.get("grid", 0.0) ** 2) ** 0.5
+            sources["grid"] = data[f"{name}_error"].sel(source="grid", drop=True).max(along, skipna=False)
         error = error_of(value.drop_attrs(), **sources).assign_attrs({LIMIT: drift})
         added |= {f"{name}_{field}": value, f"{name}_{field}_error": error}
     return data.assign(added)
