@@ -1,6 +1,7 @@
 """Figures read back: each line, bar, band and image shows the numbers of the slice that its label names.
 
-It knows the registry by its file and the dataset by its names, and nothing of the code that draws.
+It knows the registry by its file and the dataset by its names, and nothing of the code that draws but how
+it sets symbols.
 """
 
 import math

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import textwrap
-from typing import Any
-
-from rich.table import Table
-from rich.text import Text
+from typing import TYPE_CHECKING, Any
 
 from validation.cli.options import WIDE, print_json, show, terminal_width
 from validation.errors import harmless
 from validation.execution.outputs import Outputs
 from validation.report.table import WordTable
+
+if TYPE_CHECKING:
+    from rich.table import Table
 
 #: Rows from which on a table is left to the files.
 _MANY_ROWS = 80
@@ -68,6 +68,9 @@ def page_table(table: WordTable, *, width: int) -> tuple[Table, tuple[str, ...]]
 
     Columns leave whole, in the order that the table says, so that none of those that stay is cut.
     """
+    import rich.table
+    from rich.text import Text
+
     # By position: two columns, such as two uncertainties, may have one name.
     cells = zip(table.columns, *table.rows, strict=True)
     # Each brings two blanks and an edge.
@@ -79,7 +82,7 @@ def page_table(table: WordTable, *, width: int) -> tuple[Table, tuple[str, ...]]
         left_out.append(name)
         widths = {k: w for k, w in widths.items() if table.columns[k] != name}
     fits = sum(widths.values()) < width
-    printed = Table()
+    printed = rich.table.Table()
     for k in widths:
         side: Any = "left" if table.columns[k] in table.left else "right"
         printed.add_column(Text(harmless(table.columns[k])), justify=side, no_wrap=fits, overflow="fold")

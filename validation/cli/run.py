@@ -43,8 +43,6 @@ def run(
     chooses grids, tolerance and number of surfaces. Options of where and how to run may also stand in the
     scene, in its table 'run'.
     """
-    from validation.cli.progress import Bar
-    from validation.cli.results import print_outputs
     from validation.execution.bench import Bench
     from validation.execution.store import Store
     from validation.scenes.sweep import Sweep, load_asked
@@ -73,6 +71,9 @@ def run(
     if dry_run:
         options.print_plan(solves(), stored, as_json=as_json)
         return
+    from validation.cli.progress import Bar
+    from validation.cli.results import print_outputs
+
     with Bar(quiet=quiet or how.quiet or as_json) as bar:
         outputs = solve(bench=Bench(store=stored, execution=execution, progress=bar), report=with_report)
     line = f"Solves done: {outputs.solved}, found finished: {outputs.reused}. Written:"

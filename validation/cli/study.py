@@ -73,8 +73,6 @@ def study(
     after NAME the surface, solid, load, effects and grids are those of the scene. All studies keep their
     solves in results/solves, so that they share them, unless --store says otherwise.
     """
-    from validation.cli.progress import Bar
-    from validation.cli.results import print_outputs
     from validation.execution.bench import DEFAULT_STORE, Bench, PlannedOnly
     from validation.execution.store import Store
     from validation.files import prepare_folder
@@ -112,6 +110,9 @@ def study(
         else:
             typer.echo("[]" if as_json else "Nothing is solved by this study.")
         return
+    from validation.cli.progress import Bar
+    from validation.cli.results import print_outputs
+
     with Bar(quiet=quiet or how.quiet or as_json) as bar:
         bench = Bench(store=Store(folder=store_folder), execution=execution, progress=bar)
         outputs = run_study(chosen, parsed, prepare_folder(folder), bench=bench, report=with_report)
