@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 import pint
-from matplotlib.colors import same_color
+from matplotlib.colors import same_color, to_hex
 
 import validation.report
 from validation.report.words import mathtext
@@ -38,11 +38,13 @@ def known(name):
 def misdrawn(drawing, data):
     """Yield what a figure shows otherwise than the dataset has it."""
     for one in drawing.drawn:
-        for problem in _mark(one, data):
+        for problem in _mark(one, data, drawing):
             yield f"{drawing.name}, {one.label!r}: {problem}"
+    yield from _beyond(drawing)
     for axes in {id(one.axes): one.axes for one in drawing.drawn}.values():
         marks = [one for one in drawing.drawn if one.axes is axes]
         names = {one.mark.y for one in marks}
+        yield from _confused(drawing, [one for one in marks if type(one.mark).__name__ == "Line"])
         if not axes.get_xlabel() or not axes.get_ylabel():
             yield f"{drawing.name}: an axis of {names} has no label"
         if type(marks[0].mark).__name__ != "Image":
@@ -52,6 +54,17 @@ def misdrawn(drawing, data):
     yield from _scales_of_colour(
         drawing, [one for one in drawing.drawn if type(one.mark).__name__ == "Image"]
     )
+
+
+def _confused(drawing, lines):
+    """Say so where two lines of one panel that are called apart look alike."""
+    seen = {}
+    for one in lines:
+        line = one.artist.lines[0]
+        parts = (line.get_color(), line.get_markerfacecolor())
+        look = (*map(to_hex, parts), line.get_marker(), line.get_linestyle(), line.get_linewidth())
+        if seen.setdefault(look, one.label) != one.label:
+            yield f"{drawing.name}: {one.label!r} looks as {seen[look]!r} does"
 
 
 def _scales_of_colour(drawing, images):
@@ -80,7 +93,7 @@ def _unread(drawing, label, parts):
         yield f"{drawing.name}: {label!r} goes to {largest * factor:g}"
 
 
-def _mark(one, data):
+def _mark(one, data, drawing):
     kind = type(one.mark).__name__
     if kind == "Image":
         factor, shown = _factor(one.mark.y, one.label), np.asarray(one.artist.get_array())
@@ -110,8 +123,9 @@ def _mark(one, data):
         yield f"an axis has a unit that is none of {one.x}, {one.mark.y}"
         return
     yield from _words(one)
-    yield from _look(one, kind)
+    yield from _look(one, kind, sum(other.mark is one.mark for other in drawing.drawn) > 1)
     if kind == "Band":
+        yield from _band(one, (factor_x, factor_y))
         return
     if kind == "Line" and not one.mark.joined and one.artist.lines[0].get_linestyle() != "None":
         yield "its points are joined"
@@ -131,6 +145,35 @@ def _mark(one, data):
         return
     if not any(_bars(bars, error, factor_y, (x, y)) for _, error in named):
         yield "its bars are not the 95 % of its slice"
+
+
+def _band(one, factors):
+    """Say so where a band goes elsewhere than from its lower to its upper numbers."""
+    along, low, high = (np.ravel(one.data[name].values) for name in (one.x, one.mark.y, one.mark.high))
+    if hasattr(one.artist, "get_paths"):
+        ends = [(x, y) for numbers in (low, high) for x, y in zip(along, numbers, strict=True)]
+        found = [tuple(point) for path in one.artist.get_paths() for point in path.vertices]
+    else:  # all at one place: a point
+        ends, found = [(along[0], low[0])], [(one.artist.get_xdata()[0], one.artist.get_ydata()[0])]
+    found, expected = (
+        np.unique(np.round(points, 12), axis=0) for points in (found, ends * np.array(factors))
+    )
+    if not _same(found, expected):
+        yield "the band is not that of its variables"
+
+
+def _beyond(drawing):
+    """Say so where points cannot be seen and the caption does not tell how many."""
+    lines = [(one.artist.lines[0], one.axes) for one in drawing.drawn if type(one.mark).__name__ == "Line"]
+    points, hidden = 0, 0
+    for line, axes in lines:
+        x, y = (np.asarray(v, dtype=float) for v in line.get_data(orig=False))
+        (left, right), (low, high) = sorted(axes.get_xlim()), sorted(axes.get_ylim())
+        points += x.size
+        hidden += x.size - sum(left <= a <= right and low <= b <= high for a, b in zip(x, y, strict=True))
+    told = f"{hidden} of {points} points lie beyond the axes."
+    if (hidden > 0) != ("points lie beyond" in drawing.caption) or (hidden and told not in drawing.caption):
+        yield f"{drawing.name}: its caption does not end with {told!r}"
 
 
 def _drawn(one, kind):
@@ -246,14 +289,35 @@ def _words(one):
             yield f"its label lacks {entry['words']!r}"
 
 
-def _look(one, kind):
-    """Say so where what is drawn has another label, or another colour, than its mark was given."""
+def _look(one, kind, several):
+    """Say so where what is drawn has another label or colour than its mark was given, or another look than
+    what is called so has on every figure; a mark of several places has a colour for each."""
     said = one.artist.get_label()
     if said != mathtext(one.label) and (one.label or not said.startswith("_")):
         yield f"its legend says {said!r}"
     line = getattr(one.artist, "lines", [one.artist])[0]
-    if kind != "Band" and not same_color(line.get_color(), one.look["color"]):
+    if kind == "Band":
+        return
+    if not same_color(line.get_color(), one.look["color"]):
         yield f"its colour is not {one.look['color']}"
+    steps = kind == "Line" and one.mark.steps
+    if steps != (line.get_drawstyle() == "steps-mid"):
+        yield "a histogram has steps, and what is none has not"
+    entries = REGISTRY["qualifiers"].values()
+    called = [entry for entry in entries if f"{one.label}, ".startswith(f"{entry['words']}, ")]
+    if one.mark.label is not None or not called:
+        return
+    drawn = {"color": line.get_color(), "marker": line.get_marker(), "ls": line.get_linestyle()}
+    for name in dict.fromkeys(("marker",) * steps + ("color",) * several) | dict(one.mark.look):
+        drawn.pop(name, None)
+    of = max(called, key=lambda entry: len(entry["words"]))
+    further = one.label.removeprefix(of["words"]).removeprefix(", ")
+    if any(further.startswith(entry["words"]) for entry in entries):  # a theory of one kind of contact
+        return
+    elsewhere = of.get("look", {})
+    for name in drawn.keys() & elsewhere.keys():
+        if drawn[name] not in (elsewhere[name], elsewhere[name] or "None"):
+            yield f"{name} = {drawn[name]!r}, elsewhere {elsewhere[name]!r}"
 
 
 def _factor(name, axis):

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from validation.measurements.controlled import Known, chained_mean, controlled_mean
+from validation.measurements.ensemble import Chained
 from validation.report.estimates import mean_of
 
 
@@ -116,3 +117,19 @@ def test_few_samples_of_a_finer_grid_are_not_fitted():
     chain = chained_mean(levels, known)
     assert chain[-1].coefficients == pytest.approx([1.0], abs=0)
     assert chain[1].coefficients != pytest.approx([1.0], abs=1e-6)
+
+
+@pytest.mark.parametrize("unit", [1.0, 3.0])
+def test_what_a_chain_saves_is_the_time_of_as_many_single_surfaces_as_its_interval_needs(unit):
+    rng = np.random.default_rng(80)
+    areas = unit * (1 + 0.1 * rng.normal(size=(1, 40)))
+    chained = Chained(
+        unsolved=rng.normal(size=(20, 2)),
+        further=rng.normal(size=(400, 2)),
+        unsolved_seconds=7.0,
+        seconds=[np.full((40, 1), 2.0), np.full((8, 1), 5.0)],
+    )
+    chains = chained.chains(lambda last, _: areas[:, : (40, 8)[last]])
+    relative = chains[0][-1].half_width / chains[0][-1].value
+    surfaces = (1.96 * areas.std(ddof=1) / areas.mean() / relative) ** 2
+    assert chained.savings(chains, areas) == pytest.approx(surfaces * 5 / (40 * 2 + 8 * 5 + 7), rel=1e-4)

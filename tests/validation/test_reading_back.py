@@ -8,7 +8,7 @@ import xarray as xr
 from reading_back import misdrawn
 
 from validation.report.estimates import claim
-from validation.report.marks import Figure, Image, Line, Panel, draw, panels_along
+from validation.report.marks import Band, Figure, Image, Line, Panel, draw, panels_along
 
 
 @pytest.fixture
@@ -28,7 +28,9 @@ def data():
 @pytest.fixture
 def drawing(data):
     lines = [Line(y="kappa", by="spectrum"), Line(y="kappa_persson")]
-    gap = Panel(marks=[Line(y="mean_gap")], x="reduced_pressure")
+    gap = Panel(
+        marks=[Line(y="mean_gap"), Band(y="mean_gap", high="mean_gap", label="range")], x="reduced_pressure"
+    )
     return draw(
         Figure(name="f", caption="c", panels=[Panel(marks=lines, x="reduced_pressure", log="x"), gap]), data
     )
@@ -72,6 +74,10 @@ MISTAKES = {
     "axis without a name": lambda f: f.drawn[0].axes.set_xlabel(""),
     "legend of another": lambda f: f.drawn[0].artist.set_label(f.drawn[1].label),
     "colour of none": lambda f: line(f, 0).set_color("red"),
+    "symbol of another": lambda f: line(f, 2).set_marker("o"),
+    "steps where none are": lambda f: line(f, 3).set_drawstyle("steps-mid"),
+    "cut off": lambda f: f.drawn[3].axes.set_ylim(bottom=1.5),
+    "band elsewhere": lambda f: f.drawn[4].artist.set_verts([[(0.01, 1.7), (0.05, 1.5), (0.1, 1.5)]]),
 }
 
 

@@ -440,6 +440,11 @@ def _legend(canvas: Any, axes: Sequence[Axes]) -> None:
 
 
 def _caption(text: str, drawn: Sequence[Drawn]) -> str:
+    """Return what is seen, what its bars mean, and how much lies beyond the axes."""
+    points = [(line.artist.lines[0].get_xydata(), line.axes) for line in drawn if isinstance(line.mark, Line)]
+    inside = [np.all((p >= on.viewLim.min) & (p <= on.viewLim.max), axis=1) for p, on in points]
+    seen = np.concatenate([*inside, [True]])
+    cut = "" if seen.all() else f" {np.sum(~seen)} of {seen.size - 1} points lie beyond the axes."
     labels: dict[str, list[str]] = {}
     for line in drawn:
         errors = optional(line.data, f"{line.mark.y}_error")
@@ -448,6 +453,6 @@ def _caption(text: str, drawn: Sequence[Drawn]) -> str:
             labels.setdefault(", ".join(shown), []).append(line.label)
     labels.pop("", None)
     if len(labels) < 2:
-        return "".join([text, *(f" Bars: 95 % ({names})." for names in labels)])
+        return "".join([text, *(f" Bars: 95 % ({names})." for names in labels), cut])
     parts = (f"{names} ({', '.join(dict.fromkeys(which))})" for names, which in labels.items())
-    return f"{text} Bars: 95 %, {'; '.join(parts)}."
+    return f"{text} Bars: 95 %, {'; '.join(parts)}.{cut}"

@@ -167,12 +167,12 @@ def _figures(data: xr.Dataset, m: int) -> Iterator[Figure]:
     )
     limit = "root_spacing_limit"
     ways = [Line(f"{way}_slope") for way in ("window", "contour")]
-    ways += [Line(f"initial_slope_{way}", x=limit) for way in ("window", "contour")]
+    ways += [Line(f"initial_slope_{way}", x=limit, look={"mfc": "white"}) for way in ("window", "contour")]
     theory = Level("initial_slope_persson")
     yield Figure(
         f"slope-at-zero{ending}",
         "Slope of P(sigma) at zero on each grid, from the density in a closing window and from the contour; at "
-        f"the left end their limits; line, the theory.{method}",
+        f"the left end, open, their limits; line, the theory.{method}",
         [against("root_spacing", *ways, theory, y="initial_slope", at=at, bottom=0.0)],
     )
     density = ("density_at_zero", Line("initial_density", x=limit))

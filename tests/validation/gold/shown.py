@@ -36,8 +36,12 @@ def shown_on(name, page):
     for drawing in page.figures:
         marks = {id(one.mark): one for one in drawing.drawn}.values()
         lines += [f"figure {drawing.name}: {_mark(one)}" for one in marks]
-        begun = dict.fromkeys(panel.bottom for panel in drawing.panels if panel.bottom is not None)
-        lines += [f"figure {drawing.name}: from {bottom:.3g}" for bottom in begun]
+        limits = dict.fromkeys((panel.bottom, panel.top, panel.right) for panel in drawing.panels)
+        for ends in limits:
+            if ends == (None, None, None):
+                continue
+            told = [None if end is None else float(f"{end:.3g}") for end in ends]
+            lines.append(f"figure {drawing.name}: bottom, top, right {told}")
     for found in steady_findings(name, page):
         names = [part[1] for form in (found["form"], found.get("item", "")) for part in _parsed(form)]
         lines.append(f"{found['kind']} by {found.get('by', '')}: {', '.join(names)}")
