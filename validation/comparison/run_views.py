@@ -327,7 +327,7 @@ def area_figure() -> Figure:
     return Figure(
         "area",
         "Contact area against grid spacing; coarse grids are on the right.",
-        [against("spacing", *marks, by="solver", y="area", log="x", base=2)],
+        [against("spacing", *marks, by="solver", y="area", log="x")],
     )
 
 

@@ -72,15 +72,10 @@ def readable_ticks(axis: Axis) -> None:
     standard = isinstance(axis.get_major_formatter(), LogFormatterSciNotation)
     if axis.get_scale() != "log" or not standard:
         return
-    base, plain = getattr(axis.get_transform(), "base", 10), 1e-4 <= low < high <= min(1e5, 1e3 * low)
-    if base != 10 and not plain:
-        return
+    plain = 1e-4 <= low < high <= min(1e5, 1e3 * low)
     # As plain text: to set each label as a formula takes longer than to draw the figure.
     axis.set_major_formatter(StrMethodFormatter("{x:g}") if plain else FuncFormatter(_power_of_ten))
     axis.set_minor_formatter(NullFormatter())
-    if base != 10:
-        axis.set_major_locator(LogLocator(base=base) if high / low >= base**2 else MaxNLocator(4))
-        return
     figure: Any = axis.axes.figure
     place = axis.axes.get_position()
     along = axis is axis.axes.xaxis

@@ -102,7 +102,6 @@ class Panel:
     x: str
     y: str = ""
     log: str = ""
-    base: int = 10
     title: str = ""
     at: Mapping[str, int | Sequence[int]] = field(default_factory=dict)
     bottom: float | None = None
@@ -288,7 +287,10 @@ def _draw_panel(panel: Panel, axes: Axes, data: xr.Dataset) -> list[Drawn]:
         artist = _put(mark, axes, here, x, (scale_x[0], scale_y[0]), {**look, "label": mathtext(label)})
         drawn.append(Drawn(artist, axes, mark, x, here, label=label, look=look))
     for axis in panel.log:
-        getattr(axes, f"set_{axis}scale")("log", base=panel.base if axis == "x" else 10)
+        getattr(axes, f"set_{axis}scale")("log")
+    if "x" in panel.log and (ticks := _few_whole([values * scale_x[0] for values in along])):
+        axes.set_xticks(ticks, map(str, ticks))
+        axes.set_xticks([], minor=True)
     if isinstance(panel.marks[0], Image):
         y = panel.marks[0].rows
         scale_y = _scale(quantity(y), [data[y]])
@@ -305,6 +307,15 @@ def _draw_panel(panel: Panel, axes: Axes, data: xr.Dataset) -> list[Drawn]:
     if panel.right is not None:
         axes.set_xlim(right=panel.right)
     return drawn
+
+
+def _few_whole(along: Sequence[xr.DataArray]) -> list[int]:
+    """Return places on a logarithmic axis that are few whole numbers, such as points per wave."""
+    places = np.unique([place for values in along for place in np.ravel(values)])
+    if not 1 < places.size < 9 or not np.all((places > 0) & (places == np.rint(places))):
+        return []
+    steps = np.diff(np.log(places))
+    return [int(place) for place in places] if steps.min() > 0.06 * steps.sum() else []
 
 
 def _places(mark: _Mark, data: xr.Dataset) -> Iterable[xr.Dataset]:

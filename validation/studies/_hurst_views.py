@@ -135,7 +135,7 @@ def _ladder_figures() -> tuple[Figure, ...]:
             "alpha-against-magnification",
             "Slope alpha(zeta) of A = alpha F over that of Persson's theory as waves are added; black, published "
             "for H = 0.8, as Persson (2006, Sec. 3.5) quotes them.",
-            [against("bandwidth_rung", "kappa_ratio_by_bandwidth", *papers, by="ladder", log="x", base=2)],
+            [against("bandwidth_rung", "kappa_ratio_by_bandwidth", *papers, by="ladder", log="x")],
         ),
     )
 

@@ -53,14 +53,14 @@ def views(data: xr.Dataset) -> Views:
 def _on_grids(data: xr.Dataset, first: int) -> Iterator[Figure]:
     waves = "points_per_wave"
     sizes = [f"distance_{name}_size" for name in ("pixel", "perimeter", "located")]
-    panels = [against(waves, *sizes, log="xy", base=2)]
+    panels = [against(waves, *sizes, log="xy")]
     if "other" in data.dims:
         lines = [
             Line(f"distance_other_{name}_size", where={"method_other": method}, label=f"{method}, {how}")
             for method in data.other.values
             for name, how in (("pixel", "counted"), ("perimeter", "corrected"))
         ]
-        panels.append(against("points_per_wave_other", *lines, log="xy", base=2))
+        panels.append(against("points_per_wave_other", *lines, log="xy"))
     caption = "Distance of each definition of the area from the limit of its own surface, mean over surfaces."
     yield Figure("error-against-resolution", caption, panels, width=5.0 * len(panels))
     yield Figure(
@@ -79,13 +79,13 @@ def _on_grids(data: xr.Dataset, first: int) -> Iterator[Figure]:
         [against("stress", *lines, "stress_density_persson", bottom=0.0, right=2.0)],
     )
     caption = "Number of contact patches (left), and cells of the patches that hold parts of the area (right), against the grid."
-    parts = against(waves, "cells_at_part", by="part", log="xy", base=2)
-    panels = [against(waves, "patches", log="x", base=2), parts]
+    parts = against(waves, "cells_at_part", by="part", log="xy")
+    panels = [against(waves, "patches", log="x"), parts]
     yield Figure("patches-on-grids", caption, panels, width=9.0)
     if "slope" in data.dims:
         caption = "kappa when the roughness goes down to the grid scale and nodes are counted, by how the slope is measured."
         marks = ("kappa_protocol", Level("kappa"), Level("kappa_persson"))
-        panel = against("points_protocol", *marks, by="slope", y="kappa", log="x", base=2)
+        panel = against("points_protocol", *marks, by="slope", y="kappa", log="x")
         yield Figure("grid-scale-protocol", caption, [panel])
     if "solver" in data.dims:
         caption = "kappa with roughness down to the grid, nodes counted, by how the slope is measured: boundary elements, and "

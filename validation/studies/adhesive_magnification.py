@@ -163,7 +163,6 @@ def views(data: xr.Dataset) -> Views:
             *(Line(f"{name}_{reading}", at=full_work) for reading in READINGS),
             Line(f"{name}_improved", at=effective, label="Persson, one solution", look=thin),
             log="x",
-            base=2,
         )
         for name in ("area", "force_inside", "energy_ratio")
     ]
@@ -192,7 +191,7 @@ def views(data: xr.Dataset) -> Views:
                 "adhesive-stress",
                 "Stress in the contact at the first (left) and last (middle) magnification, with tension, surfaces pooled; "
                 "energy of the waves of the whole surface over that in full contact (right).",
-                [*stresses, against("wave", *waves, log="x", base=2)],
+                [*stresses, against("wave", *waves, log="x")],
             ),
         ],
         findings=[*_findings(data, [0, last])],

@@ -181,8 +181,8 @@ def views(data: xr.Dataset) -> Views:
     ]
     chance = Line("return_chance", by="load", at={"age": list(range(1, data.sizes["age"]))})
     panels: dict[str, Sequence[Panel]] = {
-        "budget": panels_along(data, "load", against("octave_start", *terms, log="x", base=2)),
-        "restarts": panels_along(data, "load", against("magnification", *ratios, log="x", base=2)),
+        "budget": panels_along(data, "load", against("octave_start", *terms, log="x")),
+        "restarts": panels_along(data, "load", against("magnification", *ratios, log="x")),
         "drift-and-diffusivity": profiles,
         "fluxes": flows,
         "memory": panels_along(data, "hurst", against("age", chance, log="y")),

@@ -145,7 +145,7 @@ def views(data: xr.Dataset) -> Views:
             )
         )
     panels = [
-        against("points_per_wave", name, by="leg", log="xy", base=2)
+        against("points_per_wave", name, by="leg", log="xy")
         for name in ("pressure_difference", "area_difference_size")
     ]
     return Views(

@@ -106,7 +106,7 @@ def views(data: xr.Dataset) -> Views:
                 [
                     against("area_asked", "gap_conductance", by="bandwidth", log="y"),
                     against("area_asked", "gap_conductance_ratio", by="bandwidth"),
-                    against("bandwidth", *thresholds, by="phase", log="x", base=2),
+                    against("bandwidth", *thresholds, by="phase", log="x"),
                 ],
             ),
             Figure(

@@ -106,7 +106,7 @@ def views(data: xr.Dataset) -> Views:
             Figure(
                 "area-against-magnification",
                 "Contact area of one nominal pressure as shorter waves are added.",
-                [against("magnification", *areas, by="load", log="xy", base=2)],
+                [against("magnification", *areas, by="load", log="xy")],
             )
         ],
         findings=[falls, modes_finding(data.sel(magnification=data.magnification >= _ROUGH))],

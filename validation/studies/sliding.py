@@ -140,9 +140,7 @@ def views(data: xr.Dataset) -> Views:
                 [
                     against("velocity", *friction, log="x", bottom=0.0),
                     against("velocity", *area, log="xy"),
-                    against(
-                        "points_per_wave", "friction_difference", by="velocity", at=some, log="xy", base=2
-                    ),
+                    against("points_per_wave", "friction_difference", by="velocity", at=some, log="xy"),
                 ],
             )
         ],
