@@ -106,6 +106,8 @@ def _mark(one, data, drawing):
         numbers = numbers.transpose(*one.data[one.mark.rows].dims, *one.data[one.x].dims)
         if not _same(shown, numbers.values * factor):
             yield "the map is not that of its variable"
+        if (one.mark.rows == "y") != (one.axes.get_aspect() == 1):
+            yield "a map of places is as wide as they are, and no other"
         for k, name, label in ((0, one.x, one.axes.get_xlabel()), (1, one.mark.rows, one.axes.get_ylabel())):
             edges, places = one.artist.get_coordinates()[..., k], np.asarray(one.data[name].values)
             edges = edges[:, 0] if k else edges[0]

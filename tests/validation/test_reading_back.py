@@ -109,6 +109,7 @@ MISTAKES_IN_A_MAP = {
     "of another solver": lambda one: one.artist.set_array(one.artist.get_array() + 9),
     "in another unit": lambda one: object.__setattr__(one, "label", one.label.replace("MPa", "GPa")),
     "rows in another": lambda one: one.axes.set_ylabel(in_nanometres(one.axes.get_ylabel())),
+    "distorted": lambda one: one.axes.set_aspect("auto"),
     "parted beside zero": lambda one: one.artist.set_cmap("RdBu_r"),
 }
 

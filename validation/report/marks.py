@@ -359,7 +359,7 @@ def _put(mark: _Mark, axes: Axes, here: xr.Dataset, x: str, factors: Pair, look:
         )
     y = values.values * factors[1]
     if isinstance(mark, Band):
-        colour = look.get("color", "black")
+        colour = look["color"]
         if np.all(along == np.ravel(along)[0]):
             point = {k: look[k] for k in ("marker", "mfc", "label") if k in look}
             return axes.plot(np.ravel(along)[:1], np.ravel(y)[:1], color=colour, ls="", **point)[0]

@@ -36,6 +36,9 @@ def shown_on(name, page):
     for drawing in page.figures:
         marks = {id(one.mark): one for one in drawing.drawn}.values()
         lines += [f"figure {drawing.name}: {_mark(one)}" for one in marks]
+        lines += [
+            f"figure {drawing.name}: {told}" for told in re.findall(r"\d+ of \d+ points", drawing.caption)
+        ]
         limits = dict.fromkeys((panel.bottom, panel.top, panel.right) for panel in drawing.panels)
         for ends in limits:
             if ends == (None, None, None):
@@ -82,9 +85,11 @@ def _parsed(form):
 
 def _mark(one):
     mark, told = one.mark, {}
-    for key in ("by", "at", "where", "look", "joined", "steps", "high", "rows", "symmetric"):
+    for key in ("by", "at", "where", "look", "label", "joined", "steps", "high", "rows", "symmetric"):
         if value := getattr(mark, key, None):
             told[key] = {n: str(v) for n, v in value.items()} if key == "where" else value
+    if title := one.axes.get_title():
+        told["title"] = title
     scales = one.axes.get_xscale(), one.axes.get_yscale()
     return f"{type(mark).__name__} {mark.y} over {one.x} {told}, {', '.join(scales)}"
 
