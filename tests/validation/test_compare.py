@@ -146,6 +146,27 @@ def test_studies_are_compared_at_the_places_that_they_share(results, tmp_path):
     assert _summary(tmp_path)["differing"] == {"seed": ["3", "4"]}
 
 
+def test_scores_of_two_theories_are_told_apart_though_no_number_has_an_interval(tmp_path):
+    score = find_study("reference-score")
+    for name in ("persson", "xu"):
+        (tmp_path / name).mkdir()
+        run_study(score, score.options(theory=(name,)), tmp_path / name, bench=Bench.at(tmp_path / "solves"))
+    page = compare_folders([tmp_path / "persson", tmp_path / "xu"], tmp_path / "both", report=False).page
+    first, other = (read_results(tmp_path / name).data.area_scored[0] for name in ("persson", "xu"))
+    data = read_results(tmp_path / "both").data.isel(result=1)
+    assert np.nanmax(abs(data.area_scored_apart - (other - first))) < 1e-12
+    assert any("they have no interval to be judged by (difference " in text for text in page.findings)
+
+
+def test_a_distance_that_is_asked_for_is_no_finding(results, tmp_path):
+    scene = str(results / "scene.toml")
+    run_scene(load_asked(scene, ["load.offset=0 um"]), tmp_path / "held", report=False)
+    page = compare_folders([results / "first", tmp_path / "held"], tmp_path / "both", report=False).page
+    names = [text.partition(":")[0] for text in page.findings]
+    assert "load.offset" in _summary(tmp_path / "both")["differing"]
+    assert not any("approach" in name for name in names)
+
+
 def test_sweeps_are_compared_where_their_values_meet(results, tmp_path):
     page = compare_folders([results / "swept", results / "swept-more"], tmp_path).page
     data = read_results(tmp_path).data

@@ -2,13 +2,14 @@
 
 import itertools
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from fem_contact import GivenResponse, HeightField, NotConverged
-from validation.cases import run_cases
-from validation.cases.scorecard import Subject, rows, score
+from validation.cases import NotJudged, below, run_cases
+from validation.cases.scorecard import Subject, elementary, rows, score
 from validation.cases.scorecard.diagnosis import diagnose
 from validation.cases.scorecard.elementary import WAVES, Transfer
 from validation.solvers.bem import Bem
@@ -249,3 +250,36 @@ def test_a_shift_is_told_along_each_axis(shift):
     made = {"allowed": np.full(len(WAVES), 0.01), "exact": np.zeros((n, n)), "pressed": None}
     assert Transfer(ratio=np.exp(-2j * np.pi * turns / n), **made).shift == pytest.approx(shift)
     assert Transfer(ratio=np.exp(1j * np.arange(len(WAVES))), **made).shift is None
+
+
+@pytest.mark.parametrize(
+    ("off", "falls", "finer", "excused"),
+    [
+        (0.05, False, 0.5, True),
+        (0.2, False, 0.5, False),  # waves are wrong by more than the cells are
+        (0.005, False, 0.5, False),  # waves are those of the half-space
+        (0.05, True, 0.5, False),  # a smaller tolerance helps
+        (0.05, False, 0.9, False),  # a finer grid does not
+    ],
+)
+def test_residuals_are_another_discretisations_only_if_all_says_so(monkeypatch, off, falls, finer, excused):
+    residuals = {16: 1.0, 32: 1.0, 64: finer}
+
+    class Stub:
+        points, pressure_error = 16, 0.01
+
+        def press(self, surface, _load):
+            found = SimpleNamespace(complementarity=residuals[surface.shape[0]])
+            return SimpleNamespace(result=SimpleNamespace(residuals=found))
+
+    transfer = SimpleNamespace(ratio=np.array([1.0, 1 + off + 0j]), allowed=np.array([0.1, 0.1]))
+    monkeypatch.setattr(elementary, "full_contact_transfer", lambda _: transfer)
+    monkeypatch.setattr(elementary, "residuals_fall", lambda _: falls)
+    missed = [below("complementarity", 1.0, 1e-9)]
+    if excused:
+        with pytest.raises(NotJudged, match=r"another discretisation: .* makes 0\.5 of 1$"):
+            elementary.judge_residuals(Stub(), missed)
+    else:
+        assert elementary.judge_residuals(Stub(), missed) is missed
+    met = [below("complementarity", 1e-10, 1e-9)]
+    assert elementary.judge_residuals(None, met) is met

@@ -202,7 +202,9 @@ def test_several_grids_give_every_number_its_error():
     assert fine.area.value == fine.limit().value
     row = table([fine, CONTACT], along="points", limit=True)
     assert list(row.points) == [64, 32]
-    assert float(row.area[0]) == fine.areas().perimeter
+    assert list(row.area) == [fine.area.value, CONTACT.area.value]
+    assert list(row.kappa) == [fine.kappa.value, CONTACT.kappa.value]
+    assert f"A/A0 = {CONTACT.area} (counted" in repr(CONTACT)
     assert "A/A0, own" not in fine.limit()._repr_html_()
     assert fine.mean_gap._repr_html_().count("nm") == 1
 
@@ -293,7 +295,14 @@ loaded = partial(pressed, pressure=1e6)
         (lambda: loaded(grids=[64, 96], grid=64), "give one of them"),
         (lambda: CONTACT.limit([3.5]), "grid = 3.5: give points along the sides"),
         (lambda: CONTACT.plot([0, 0]), "is not drawn; one of: 'pressure'"),
-        (lambda: CONTACT.plot(ax=3), "ax = 3: one axes of matplotlib"),
+        (lambda: CONTACT.plot(ax=3), "ax = 3: give axes of matplotlib"),
+        (lambda: CONTACT.plot("distribution", ax=Figure().subplots()), "give axes of matplotlib, 2,"),
+        (
+            lambda: theory(SURFACE, **SOLID, pressure=1e6, offset="1 um"),
+            "offset: no such .*; Allowed: (?!.*off)",
+        ),
+        (lambda: theory(SURFACE, **SOLID), "theory: give exactly one of 'pressure' and 'reduced_pressure'$"),
+        (lambda: table([]), "table: no contact is given"),
         (lambda: CONTACT.against("bem"), "another method"),
         (lambda: CONTACT.against([]), "another method"),
         (lambda: CONTACT.plot("heat"), "one of: 'pressure'"),
@@ -303,6 +312,18 @@ loaded = partial(pressed, pressure=1e6)
 def test_what_is_wrong_is_said_in_one_line(wrong, words):
     with refused(UsageError, words):
         wrong()
+
+
+def test_both_ends_of_the_pressures_go_into_axes_of_ones_own():
+    own = Figure().subplots(1, 2)
+    drawn = CONTACT.plot("distribution", ax=own)
+    assert list(misdrawn(drawn, drawn.data)) == []
+    assert [one.get_xlim() for one in own] == [
+        one.get_xlim() for one in CONTACT.plot("distribution").figure.axes
+    ]
+    (grids,) = Figure().subplots(1, 1, squeeze=False)[0]
+    CONTACT.plot("grids", ax=grids)
+    assert {label.get_text() for label in grids.get_xticklabels()} >= {"0.2"}
 
 
 def test_study_names_are_completed():

@@ -94,6 +94,15 @@ def test_a_file_that_is_no_table_of_areas_is_refused(tmp_path, text, words):
         study("reference-score", theory=(), csv=tmp_path / "mine.csv")
 
 
+def test_a_theory_that_says_nothing_and_a_file_that_is_not_there_are_refused(tmp_path, monkeypatch):
+    (tmp_path / "silent_theory.py").write_text("def area(p):\n    return p * float('nan')\n")
+    monkeypatch.syspath_prepend(str(tmp_path))
+    with pytest.raises(UsageError, match=r"silent_theory:area says nothing on any cell"):
+        study("reference-score", theory=("silent_theory:area",))
+    with pytest.raises(UsageError, match=r"no\.csv: cannot be read: No such file"):
+        study("reference-score", theory=(), csv=tmp_path / "no.csv")
+
+
 def test_the_command_scores_a_theory_and_leaves_a_page(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     said = output_of("reference --theory persson --csv", numbers(tmp_path / "m.csv"))

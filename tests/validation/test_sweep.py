@@ -161,6 +161,12 @@ def test_findings_of_a_sweep_reverse_with_the_numbers(swept):
         ]
         assert change.outcomes == (outcome,)
     assert "does not change by more than its interval" in change.text
+    agreed = "; in 0 of 4 cases with an interval the two agree within it."
+    (told,) = [f.text for f in sweep_views(data).findings if "from Persson's theory" in f.text]
+    assert told.endswith(agreed)
+    bare = data.assign(area_excess_error=np.nan * data.area_excess_error)
+    (told,) = [f.text for f in sweep_views(bare).findings if "from Persson's theory" in f.text]
+    assert told.endswith("from Persson's theory.")
 
 
 def test_what_is_written_with_a_unit_is_shown_in_it(small_scene, tmp_path):

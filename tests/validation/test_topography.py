@@ -747,6 +747,9 @@ def test_sizes_slopes_and_heights_that_cannot_be_are_told_of_a_file_and_of_an_ar
         assert re.search(f"doubts=.*{words}", repr(surface))
         assert re.search(words, "; ".join(surface.given.patch.history))
         assert "doubts" not in repr(fc.measured(heights, length=1e-5, unit=1e-6))
+    holed = patch(96) * 1e6
+    holed[5:9, 7] = np.nan
+    assert "doubts" not in repr(fc.measured(holed, length=1e-5, unit=1e-6, missing="harmonic"))
 
 
 @pytest.mark.parametrize("fine", [1, 4])

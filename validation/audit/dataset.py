@@ -54,6 +54,9 @@ class Result:
         data = _bytes(folder / "data.nc", str(self.record["data"]))
         self.data: Variables = read_dataset(memoryview(data)).variables
         self.digests: Mapping[str, str] = read_record(folder / "shown.json")["files"]
+        for name in self.digests:
+            if (folder / name).exists():  # a figure that is not wanted may go
+                self._shown(name)
         self.summary: Mapping[str, Any] = json.loads(self._shown("summary.json"))
         if not isinstance(self.summary, dict):
             raise ValueError("summary.json holds no table")

@@ -39,7 +39,8 @@ def reference(
         typer.Option(
             "--theory",
             metavar="NAME",
-            help="Score a theory on all cells; your own is module:function.",
+            help="Score a theory on all cells; your own is module:function, as "
+            "def area(pressure, *, contact_modulus, moments), of arrays.",
             autocompletion=named_by("validation.theories:theories"),
         ),
     ] = None,

@@ -38,6 +38,8 @@ _JOINT = (
     "independent: of one and the same surfaces differences are better known than that."
 )
 _FIRST = "the first, with which the others are compared"
+#: What is asked for where a load is given in one of these ways, and so is nothing found.
+_HELD = {"approach": {"load.offset", "load.mean_gap"}, "mean_gap": {"load.mean_gap"}}
 #: What says again, in sentences, what another variable says.
 _TWICE = ("_own", "_limit", "_excess", "_located", "_each")
 
@@ -144,6 +146,8 @@ def side_by_side(results: Mapping[str, Result]) -> xr.Dataset:
         numbers = [str(name) for name, values in whole.data_vars.items() if values.dtype.kind in "fiu"]
         kept = [n for n in numbers if not n.startswith(_LEFT_OUT) and not n.endswith("_drift")]
         parts.append(whole[kept])
+    if len({str(part.theory.values) for part in parts if part.sizes.get("theory") == 1}) == len(parts):
+        parts = [part.isel(theory=0, drop=True) for part in parts]  # one each, which are what is compared
     first = parts[0]
     names = [n for n in first.data_vars if all(n in part and part[n].dims == first[n].dims for part in parts)]
     placed = [_placed(part)[names].drop_attrs(deep=False) for part in parts]
@@ -244,8 +248,9 @@ def _compared(data: xr.Dataset) -> list[str]:
     twice = "area" in data and "area_own" in data and data.area.equals(data.area_own)
     names = [name for name in names if name in data and not (twice and name.endswith("_own"))]
 
-    def order(name: str) -> tuple[bool, bool, int]:
-        return f"{name}_apart_error" not in data, not name.startswith("area"), data[name].ndim
+    def order(name: str) -> tuple[bool, bool, bool, int]:
+        alike = bool((data[f"{name}_apart"] == 0).all())
+        return alike, f"{name}_apart_error" not in data, not name.startswith("area"), data[name].ndim
 
     return sorted(names, key=order)
 
@@ -296,7 +301,11 @@ def _findings(data: xr.Dataset, differ: Mapping[str, Sequence[str]]) -> Iterator
         yield note("{settings}", settings=f"They differ in {', '.join(words[:6])}{more}.")
     else:
         yield note("No setting differs: these are results of one and the same question.")
-    names = [n for n in _compared(data) if f"{n}_apart_error" in data and not n.endswith(_TWICE)]
+    every = _compared(data)
+    names = [n for n in every if f"{n}_apart_error" in data and not n.endswith(_TWICE)]
+    names = [n for n in names if not (n in _HELD and _HELD[n] & differ.keys())]
+    if all(bool((data[f"{n}_apart"] == 0).all()) for n in names):  # so what has none tells them apart
+        names += [n for n in every if n not in names and bool((data[f"{n}_apart"] != 0).any())][:2]
     for name in names[:_FINDINGS]:
         for k in range(1, data.sizes["result"]):
             yield _farthest(data, name, k)
@@ -314,14 +323,13 @@ def _findings(data: xr.Dataset, differ: Mapping[str, Sequence[str]]) -> Iterator
 def _farthest(data: xr.Dataset, name: str, k: int) -> Finding:
     """Say how far a result is from the first in one quantity, where that is most for its interval."""
 
-    def errors_apart(item: tuple[str, xr.Dataset]) -> float:
+    def errors_apart(item: tuple[str, xr.Dataset]) -> tuple[bool, float]:
         """Difference over its error, by which places are ranked; those without an error come last."""
         apart = value_of(item[1].isel(result=k), f"{name}_apart")
-        if apart.value == 0:
-            return 0.0
-        if apart.error is None or not np.isfinite(apart.error):
-            return -1.0
-        return abs(float(apart.value)) / apart.error if apart.error else np.inf
+        far, sure = abs(float(apart.value)), apart.error is not None and np.isfinite(apart.error)
+        if far == 0 or not sure:
+            return bool(sure), far
+        return True, far / apart.error if apart.error else np.inf
 
     places = list(_places(data, name))
     what, first, other = quantity_of(data, name), *(str(data.result.values[j]) for j in (0, k))
@@ -335,7 +343,7 @@ def _farthest(data: xr.Dataset, name: str, k: int) -> Finding:
         "its": value_of(here.isel(result=0), name),
         "apart": value_of(here.isel(result=k), f"{name}_apart"),
     }
-    if values["apart"].value == 0 and all(errors_apart(one) == 0 for one in places):
+    if values["apart"].value == 0 and all(errors_apart(one)[1] == 0 for one in places):
         return note(
             "{symbol}: {other} and {first} agree to the last digit.", symbol=symbol, other=other, first=first
         )

@@ -14,6 +14,7 @@ from validation.comparison.treatment import STATISTICS, treatment_findings, trea
 from validation.report.estimates import derive, each, sources_of
 from validation.report.findings import Finding, finding, note
 from validation.report.marks import Figure, Image, Level, Line, against
+from validation.report.quantities import quantity
 from validation.report.table import Listing, Table
 from validation.report.values import Value, value_of
 from validation.report.views import Card, Views
@@ -188,6 +189,8 @@ def _findings(data: xr.Dataset) -> Iterator[Finding]:
         text = "Yielded, A_pl/A0 = {area_plastic_pixel:.4} by {solver} on {grid} (points counted)"
         text += "[; {area_plastic_persson:.4} by the theory]."
         yield finding("share", text, _finest(data))
+    if passing := " ".join(_what_passes(data)):
+        yield finding("value", passing, data)
     if "von_mises" in data:
         text = "The largest von Mises stress below the surface is {von_mises_reduced:.4} E* h'_rms "
         text += "({von_mises:u}), at a depth of {von_mises_depth_reduced:.3} lambda_short "
@@ -287,10 +290,25 @@ def _warnings(data: xr.Dataset) -> Iterator[Finding]:
         yield finding("note", "What passes: {passing_note}.", data)
 
 
+def _what_passes(data: xr.Dataset) -> Iterator[str]:
+    """Yield a sentence for each of the quantities that a scene asks for."""
+    for name in ("electrical_conductance", "thermal_conductance"):
+        if name in data:
+            form = f"{{{name}:p}}[, by Persson's theory {{{name}_persson:p}}]."
+            yield f"{quantity(name).meaning.capitalize()}: {form}"
+    if "leak_rate_x" in data:
+        form = "Leak: {leak_rate_x:p} along x and {leak_rate_y:p} along y[, by Bruggeman's effective medium "
+        yield form + "{leak_rate_x_bruggeman:p} and {leak_rate_y_bruggeman:p}]."
+
+
 def _figures(data: xr.Dataset) -> Iterator[Figure]:
     yield area_figure()
     if "heights" in data:
-        spectra = (Line("power_spectrum", joined=False, label="this surface"), "power_spectrum_told")
+        told = "of the map, windowed: what the theory is given" if "pixel" in data else None
+        spectra = (
+            Line("power_spectrum", joined=False, label="this surface"),
+            Line("power_spectrum_told", label=told),
+        )
         yield Figure(
             "surface",
             "The rough surface, and its power spectrum, ring by ring.",
@@ -323,7 +341,14 @@ def _figures(data: xr.Dataset) -> Iterator[Figure]:
 def area_figure() -> Figure:
     """Declare area against grid spacing: counted, corrected, located, their limit and the theory."""
     own = Level("area_own", look={"color": "black"}, label="this surface")
-    marks = ("area_pixel", "area_perimeter", own, Level("area_persson_own"), Level("area_ensemble"))
+    marks = (
+        "area_pixel",
+        "area_perimeter",
+        "area_located",
+        own,
+        Level("area_persson_own"),
+        Level("area_ensemble"),
+    )
     return Figure(
         "area",
         "Contact area against grid spacing; coarse grids are on the right.",

@@ -133,13 +133,15 @@ def _findings(data: xr.Dataset) -> Iterator[Finding]:
         yield from _along(data, key)
     if _known(data, "area_excess"):
         excess = data.area_excess
-        half = (data.area_excess_error.sel(source=["surfaces", "grid", "solver"]) ** 2).sum("source") ** 0.5
+        errors = data.area_excess_error.sel(source=["surfaces", "grid", "solver"])
+        half = (errors**2).sum("source", min_count=1) ** 0.5
+        judged = float((excess.notnull() & half.notnull()).sum())
         yield _ends(
-            "The area is {low:+.2%}[ to {high:+.2%}] from Persson's theory; in {agree} of {count} cases the "
-            "two agree within the 95 % interval.",
+            "The area is {low:+.3%}[ to {high:+.3%}] from Persson's theory[; in {agree} of {count} cases "
+            "with an interval the two agree within it].",
             excess,
-            agree=float((abs(excess) <= half).sum()),
-            count=float(excess.notnull().sum()),
+            agree=float((abs(excess) <= half).sum()) if judged else math.nan,
+            count=judged,
         )
     yield from treatment_findings(data)
     if "no_limit" in data and (why := list(filter(None, data.no_limit.values.ravel().tolist()))):

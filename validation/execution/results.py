@@ -101,6 +101,8 @@ def read_results(folder: Path) -> Result:
         )
     except RunFailed as error:
         raise UsageError(str(error)) from None
+    except NotADirectoryError:
+        raise UsageError(f"{folder}: is a file; name the folder of results") from None
     except FileNotFoundError as error:
         old = next((name for name in _EARLIER if (folder / name).exists()), "")
         why = f"{old} is of an earlier version" if old else f"no {Path(error.filename).name} in it"

@@ -211,12 +211,12 @@ class Contact:
         self,
         what: Literal["pressure", "gap", "distribution", "grids"] = "pressure",
         *,
-        ax: Axes | None = None,
+        ax: Axes | Sequence[Axes] | None = None,
     ) -> Drawing:
         """Draw the map of pressure or gap, P(sigma) beside the theory, or area against grid spacing.
 
         A notebook shows it; ``.figure.savefig(...)`` writes it, ``.data`` has its numbers. With `ax` it is
-        drawn into axes of matplotlib.
+        drawn into axes of matplotlib; P(sigma) takes two, near zero and as far as it goes.
         """
         own = {self.solve: self.result}
         match what if isinstance(what, str) else None:
@@ -248,12 +248,12 @@ class Contact:
 
     @property
     def _facts(self) -> dict[str, str]:
-        areas, theory, loaded = self.areas(), self.theory, self._loaded
+        theory, loaded = self.theory, self._loaded
         pressure = alike(loaded.pressure, self.scene.load.pressure)
         facts = {
             "solve": self.solve.label,
             "p0": f"{in_prefixed_unit(pressure, 'Pa')} (p* = {loaded.reduced_pressure:.4g})",
-            "A/A0": f"{significant(areas.perimeter)} (counted {significant(areas.pixel)})",
+            "A/A0": f"{self.area} (counted {significant(self.areas().pixel)})",
         }
         if theory is not None:
             facts["A/A0, Persson"] = significant(theory.area) if theory.answers else theory.note

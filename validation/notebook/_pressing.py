@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from inspect import signature
 from typing import Any
@@ -103,7 +103,7 @@ def press(
         points = grids_of("press: grids", grids)
         if grid is not None:
             raise UsageError("press: grid and grids: give one of them")
-    listed = _effects(effects)
+    listed = _effects(effects, press)
     known = all(effect_kinds()[effect["kind"]].has_theory() for effect in listed)
     chosen = {method: {**(options or {}), "grids": points}, **({"theory": {}} if known else {})}
     scene = checked(Scene, "press", {**tables, "load": load, "methods": chosen, "effects": listed})
@@ -128,8 +128,10 @@ def theory(
     part of it, and the error that the theory estimates of itself; NaN where it has no answer.
     """
     tables = _tables(surface, solid, (young, poisson, second_young, second_poisson))
-    load = {"pressure": pressure, "reduced_pressure": reduced_pressure}
-    tables |= {"load": load, "methods": {"theory": {}}, "effects": _effects(effects)}
+    listed, load = _effects(effects, theory), {"pressure": pressure, "reduced_pressure": reduced_pressure}
+    if (pressure is None) == (reduced_pressure is None):
+        raise UsageError("theory: give exactly one of 'pressure' and 'reduced_pressure'")
+    tables |= {"load": load, "methods": {"theory": {}}, "effects": listed}
     scene = checked(Scene, "theory", tables)
     problem = replace(realise(scene), given=surface.given)
     check_scene(scene, problem)
@@ -162,6 +164,8 @@ def table(contacts: Iterable[Contact], *, along: str | None = None, limit: bool 
         pressed_ones: list[Any] = list(contacts)
     except TypeError:
         pressed_ones = [contacts]
+    if not pressed_ones:
+        raise UsageError("table: no contact is given; give a list, as [press(...), press(...)]")
     if wrong := [one for one in pressed_ones if not isinstance(one, Contact)]:
         raise UsageError(f"table: {wrong[0]!r}: give a list of contacts, as [press(...), press(...)]")
     inputs = [_said(contact) for contact in pressed_ones]
@@ -184,9 +188,9 @@ def table(contacts: Iterable[Contact], *, along: str | None = None, limit: bool 
 
 #: What a table calls the numbers of a run on one grid.
 _COLUMNS = {
-    "area_perimeter": "area",
+    "area": "area",
     "area_pixel": "pixel",
-    "kappa_perimeter": "kappa",
+    "kappa": "kappa",
     "area_persson_own": "persson",
     "area_plastic_pixel": "plastic",
     "area_plastic_persson": "persson_plastic",
@@ -212,7 +216,10 @@ def _numbers(contact: Contact, *, limit: bool) -> xr.Dataset:
 
 def _said(contact: Contact) -> dict[str, Any]:
     scene, problem = contact.scene, contact.problem
-    loads: dict[str, Any] = {"reduced_pressure": problem.reduced_pressure, "pressure": problem.pressure}
+    # As it was asked for, not as it comes back from the other.
+    loads: dict[str, Any] = {
+        name: getattr(scene.load, name) or getattr(problem, name) for name in ("reduced_pressure", "pressure")
+    }
     loads |= {"method": contact.solve.solver.label, "points": contact.solve.grid[0]}
     for listed in (scene.surface, scene.solid, *scene.effects):
         values = listed.model_dump(exclude_none=True, exclude={"kind"}).items()
@@ -243,15 +250,15 @@ def _tables(surface: object, solid: object, numbers: tuple[Any, Any, Any, Any]) 
     return {"name": "notebook", "surface": surface.table, "solid": body}
 
 
-def _effects(effects: Mapping[str, Any]) -> list[dict[str, Any]]:
+def _effects(effects: Mapping[str, Any], called: Callable[..., Any]) -> list[dict[str, Any]]:
     """Return effects as a scene lists them: a table, or the field that bears the name of the effect."""
     kinds, listed = effect_kinds(), []
     for argument, value in effects.items():
         name = argument.replace("_", "-")
         if name not in kinds:
-            allowed = [one for one in (*signature(press).parameters, *kinds) if one != "effects"]
-            hint = did_you_mean(name, allowed) or ";"
-            raise UsageError(f"{name}: no such argument or effect{hint} Allowed: {', '.join(allowed)}")
+            allowed = [one for one in (*signature(called).parameters, *kinds) if one != "effects"]
+            hint = did_you_mean(argument, allowed) or ";"
+            raise UsageError(f"{argument}: no such argument or effect{hint} Allowed: {', '.join(allowed)}")
         if value is True:
             listed.append({"kind": name})
         elif isinstance(value, Mapping):

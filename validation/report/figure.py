@@ -30,6 +30,7 @@ if TYPE_CHECKING:
 STYLE: Any = {
     "font.size": 10,
     "axes.grid": True,
+    "axes.formatter.useoffset": False,
     "grid.alpha": 0.25,
     "axes.spines.top": False,
     "axes.spines.right": False,

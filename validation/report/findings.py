@@ -53,7 +53,7 @@ KINDS: dict[str, tuple[Callable[[Value], str] | None, dict[str, str]]] = {
             "+": "above",
             "-": "below",
             "0": "statistically indistinguishable from",
-            "?": "not comparable, for lack of an interval, with",
+            "?": "not judged, for lack of an interval, against",
         },
     ),
     "trend": (
@@ -70,7 +70,7 @@ KINDS: dict[str, tuple[Callable[[Value], str] | None, dict[str, str]]] = {
         {
             "agree": "agree within their 95 % intervals",
             "differ": "differ by more than their 95 % intervals",
-            "?": f"agree or differ, which without an interval is {_UNDECIDED}",
+            "?": "have no interval to be judged by",
         },
     ),
     "equivalence": (

@@ -170,9 +170,9 @@ def panels_along(data: xr.Dataset, dim: str, panel: Panel) -> tuple[Panel, ...]:
     )
 
 
-def draw(figure: Figure, data: xr.Dataset, *, axes: Axes | None = None) -> Drawing:
-    """Draw a figure of a dataset; one of a single panel may go into axes that are there."""
-    from validation.report.figure import new_figure
+def draw(figure: Figure, data: xr.Dataset, *, axes: Axes | Sequence[Axes] | None = None) -> Drawing:
+    """Draw a figure of a dataset, into axes that are there if they are given, one for each panel."""
+    from validation.report.figure import new_figure, readable_ticks
 
     drawn: list[Drawn] = []
     # What no mark names need not be sliced for each of them.
@@ -183,10 +183,11 @@ def draw(figure: Figure, data: xr.Dataset, *, axes: Axes | None = None) -> Drawi
         columns = len(figure.panels)
         width = figure.width or min(1.0 + 4.0 * columns, 13.0)
         canvas, places = new_figure(width=width, height=figure.height, columns=columns)
-    elif len(figure.panels) == 1 and hasattr(axes, "errorbar"):
-        canvas, places = cast("Any", axes.figure), [axes]
     else:
-        raise UsageError(f"ax = {axes!r}: one axes of matplotlib, for a figure of one panel; leave it out")
+        places = list(np.ravel(cast("Any", axes)))
+        if len(places) != len(figure.panels) or not all(hasattr(on, "errorbar") for on in places):
+            raise UsageError(f"ax = {axes!r}: give axes of matplotlib, {len(figure.panels)}, or leave it out")
+        canvas = cast("Any", places[0].figure)
     for panel, on in zip(figure.panels, places, strict=True):
         drawn += _draw_panel(panel, on, data)
     _align(figure.panels, list(places))
@@ -197,8 +198,12 @@ def draw(figure: Figure, data: xr.Dataset, *, axes: Axes | None = None) -> Drawi
         canvas.colorbar(line.artist, ax=list(places) if common else line.axes, label=mathtext(line.label))
     if axes is None:
         _legend(canvas, list(places))
-    elif axes.get_legend_handles_labels()[0]:
-        axes.legend(fontsize=7)
+    else:
+        for on in places:
+            readable_ticks(on.xaxis)
+            readable_ticks(on.yaxis)
+            if on.get_legend_handles_labels()[0]:
+                on.legend(fontsize=7)
     named = ((one.mark.y, one.x, getattr(one.mark, "high", "")) for one in drawn)
     names = list(dict.fromkeys(itertools.chain.from_iterable(named)))
     names += [f"{n}_error" for n in names if f"{n}_error" in data]

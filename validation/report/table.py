@@ -295,7 +295,8 @@ def _what_intervals_hold(names: Sequence[str], cells: Sequence[Row]) -> str:
     """Say of which sources the intervals of a table are, where these are not all that enter."""
     of: dict[str, list[str]] = {}
     for name in names:
-        held = dict.fromkeys(str(row.get(f"{name} {SOURCES_OF}") or "") for row in cells)
+        told = (row.get(f"{name} {SOURCES_OF}") for row in cells)
+        held = dict.fromkeys(one for one in told if isinstance(one, str))
         if sources := " or ".join(filter(None, held)):
             of.setdefault(sources, []).append(name)
     if len(of) == 1 and sum(f"{name} {INTERVAL}" in cells[0] for name in names) == len(*of.values()):

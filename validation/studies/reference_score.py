@@ -12,6 +12,7 @@ import numpy as np
 from validation import reference
 from validation.arrays import Array
 from validation.errors import UsageError
+from validation.files import reason
 from validation.measurements.theory import Waves
 from validation.reference.theory import lowest_wave, table_spectrum
 from validation.report.estimates import derive, total_error
@@ -55,6 +56,8 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
         scored[options.csv.name], errors[options.csv.name] = _read(options.csv, data)
     if not scored:
         raise UsageError("study reference-score: nothing to score; name a theory or a csv")
+    if silent := [label for label, areas in scored.items() if not np.isfinite(areas).any()]:
+        raise UsageError(f"study reference-score: {silent[0]} says nothing on any cell of the table")
     over = ("theory", *_CELL)
     data = data.assign(
         area_scored=(over, np.array([*scored.values()]), {"reduction": "theory"}),
@@ -119,7 +122,9 @@ def _read(path: Path, data: xr.Dataset) -> tuple[Array, Array]:
             lines = [(number, line) for number, line in enumerate(file, 1) if line.strip() and line[0] != "#"]
             reader = csv.DictReader(line for _, line in lines)
             rows, columns = list(reader), reader.fieldnames or []
-    except (OSError, ValueError, csv.Error) as error:
+    except OSError as error:
+        raise UsageError(f"--csv {path}: cannot be read: {reason(error)}") from None
+    except (ValueError, csv.Error) as error:
         raise UsageError(f"--csv {path}: {error}") from None
     if missing := [name for name in (*_CELL, "area") if name not in columns]:
         raise UsageError(

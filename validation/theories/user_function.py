@@ -62,7 +62,8 @@ class OwnTheory(Theory):
             result = np.asarray(function(*values, **inputs), dtype=float)
         except Exception as error:  # whatever it raises is its answer
             raise UsageError(
-                f"theory {self.label!r}: {quantity} raised {type(error).__name__}: {error}"
+                f"theory {self.label!r}: {quantity} raised {type(error).__name__}: {error}; it is given an "
+                f"array, pressures [Pa] for an area, and by name what it lists of {', '.join(_TOLD)}"
             ) from None
         if result.shape != shape:
             raise UsageError(f"theory {self.label!r}: {quantity} of shape {result.shape}: must have {shape}")
