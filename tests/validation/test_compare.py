@@ -97,9 +97,9 @@ def test_all_that_was_asked_otherwise_is_named_with_its_value_in_each():
     told = differing({str(k): _planted([0.1, 0.2], 0.1, effects=one) for k, one in enumerate(asked)})
     assert told == {
         "effects.hardness": ("listed", "listed", ""),
-        "effects.hardness.hardness": ("1e+09", "2e+09", ""),
+        "effects.hardness.hardness": ("1 GPa", "2 GPa", ""),
         "effects.thickness": ("", "listed", ""),
-        "effects.thickness.thickness": ("", "1e-06", ""),
+        "effects.thickness.thickness": ("", "1 um", ""),
     }
 
 

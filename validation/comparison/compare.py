@@ -21,10 +21,12 @@ from validation.report.estimates import derive, each, total_error
 from validation.report.findings import Finding, finding, note
 from validation.report.marks import Figure, Line, against
 from validation.report.page import page_of
-from validation.report.quantities import labelled, place_words, quantity_of
+from validation.report.quantities import in_prefixed_unit, labelled, place_words, quantity_of
 from validation.report.table import ResultTable, Row, WordTable, shown, value_cells
 from validation.report.values import value_of
 from validation.report.views import Card, Views
+from validation.scenes.keys import scene_keys
+from validation.units import unit_of
 
 _KINDS = {"run": "runs", "sweep": "sweeps", "theory": "runs of the theory alone"}
 #: What is not compared: names of solves, maps, what a run took, and what says how another number was made.
@@ -210,13 +212,16 @@ def _flat(tree: Mapping[str, Any], before: str = "") -> Iterator[tuple[str, str]
                 inner = {k: v for k, v in item.items() if k not in ("kind", "key", "name", "meaning", "unit")}
                 yield from _flat(inner, f"{before}{key}.{name}.")
         else:
-            yield before + key, _word(value)
+            info = scene_keys({}).get(before + key)
+            yield before + key, _word(value, "1" if info is None else unit_of(info))
 
 
-def _word(value: Any) -> str:
+def _word(value: Any, unit: str) -> str:
     if isinstance(value, list):
-        return ", ".join(map(_word, value))
-    return f"{value:.6g}" if isinstance(value, float) else str(value)
+        return ", ".join(_word(item, unit) for item in value)
+    if not isinstance(value, float):
+        return str(value)
+    return f"{value:.6g}" if unit == "1" else in_prefixed_unit(value, unit, 6)
 
 
 def _flat_settings(result: Result) -> dict[str, str]:
