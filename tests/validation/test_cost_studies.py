@@ -160,6 +160,20 @@ def test_the_memory_of_a_peer_is_that_of_all_its_tries(monkeypatch):
     assert found.cost.peak_bytes == int(1e9 * max(tries))
 
 
+def test_solvers_that_are_asked_for_get_the_tolerance_of_the_study_and_their_own_settings():
+    named = ("bem", "tamaas", external_codes.__name__ + ":known_peers")
+    asked = {
+        solver.name: dict(solver.settings)
+        for part, solver in accuracy_cost._solvers(accuracy_cost.Options(methods=named))
+        if part == "others"
+    }
+    asked[named[2]].pop("code")
+    assert asked == {
+        "tamaas": {"tolerance": accuracy_cost._TOLERANCE},
+        named[2]: {"tolerance": accuracy_cost._TOLERANCE, "solver": named[2]},
+    }
+
+
 def test_a_peer_that_fails_is_a_sentence():
     asked = peer(external_codes.THIS_CODE).but(settings=(("solver", "no_such_module:solve"),))
     with pytest.raises(NotConverged, match="no_such_module:solve: raised ModuleNotFoundError"):

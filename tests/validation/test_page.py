@@ -360,7 +360,7 @@ def test_the_times_of_a_bar_are_whole_on_80_columns(monkeypatch, name):
     ],
 )
 def test_a_logarithmic_axis_of_few_decades_carries_plain_numbers_and_two_at_least(tmp_path, range_, shown):
-    figure, (axes,) = new_figure(5.0, 3.7, 1)
+    figure, (axes,) = new_figure(1)
     axes.plot(range_, [1, 2])
     axes.set_xscale("log")
     save_figure(figure, tmp_path / "figure.svg")
@@ -372,7 +372,7 @@ def test_a_logarithmic_axis_of_few_decades_carries_plain_numbers_and_two_at_leas
 
 def logarithmic(low, high):
     """A logarithmic axis from its lower to its upper end."""
-    _, (axes,) = new_figure(5.0, 3.7, 1)
+    _, (axes,) = new_figure(1)
     axes.set_xscale("log")
     axes.set_xlim(low, high)
     return axes.xaxis

@@ -209,7 +209,6 @@ def _ladder_figures(data: xr.Dataset) -> list[Figure]:
             f"error-against-resolution-{k // 3 + 1}",
             "Error against points along a side; its slope is the observed order of convergence.",
             panels[k : k + 3],
-            width=3.4 * len(panels[k : k + 3]),
         )
         for k in range(0, len(panels), 3)
     ]

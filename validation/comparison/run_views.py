@@ -316,8 +316,6 @@ def _figures(data: xr.Dataset) -> Iterator[Figure]:
                 against("x", Image("heights", rows="y", cmap="gray")),
                 against("wavevector", *spectra, log="xy"),
             ],
-            width=8.4,
-            height=3.4,
         )
         yield maps_figure(data)
     if "density_near" in data:
@@ -384,8 +382,6 @@ def pressure_figure(data: xr.Dataset) -> Figure:
         "Distribution of contact pressure: left near zero on the coarsest and the finest grid, where "
         "what remains at zero is the grid's; right to the largest pressure, on the finest.",
         panels,
-        width=8.4,
-        height=3.4,
     )
 
 
@@ -402,6 +398,4 @@ def maps_figure(data: xr.Dataset) -> Figure:
         "pressure-maps",
         f"Contact pressure on {data.attrs['map_grid']} points; white: no contact.",
         panels,
-        width=3.9 * len(panels),
-        height=3.1,
     )

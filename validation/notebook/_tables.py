@@ -105,4 +105,4 @@ def on_places(data: xr.Dataset, spacing: Pair, **maps: Any) -> xr.Dataset:
 def map_of(name: str, caption: str, *, cmap: str = "viridis") -> Figure:
     """Declare the figure of one map."""
     panel = against("x", Image(name, rows="y", cmap=cmap))
-    return Figure(name.replace("_", "-"), caption, [panel], width=4.6, height=3.6)
+    return Figure(name.replace("_", "-"), caption, [panel])

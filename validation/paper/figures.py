@@ -54,8 +54,7 @@ class PaperFigure:
             against(f"{x}_{self.name}", Line(f"{y}_{self.name}", **line), log=log)
             for x, y, log in self.panels
         ]
-        name, sizes = self.name.replace("_", "-"), {"width": 5.2 * len(panels), "height": 4.0}
-        return Figure(name, f"{self.title}.", panels, **sizes)
+        return Figure(self.name.replace("_", "-"), f"{self.title}.", panels)
 
 
 #: All calculated figures, in the order of the paper.

@@ -110,9 +110,9 @@ def embeddable(svg: str, name: str, *, words: str) -> str:
     return drawing.replace("<svg", f'<svg role="img" aria-label="{escape(harmless(words))}"', 1)
 
 
-def new_figure(width: float, height: float, columns: int) -> tuple[matplotlib.figure.Figure, list[Axes]]:
+def new_figure(columns: int) -> tuple[matplotlib.figure.Figure, list[Axes]]:
     """Return a figure in this look, and its axes side by side."""
     with matplotlib.rc_context(STYLE):
-        figure = matplotlib.figure.Figure(figsize=(width, height), layout="constrained")
+        figure = matplotlib.figure.Figure(figsize=(min(1 + 4 * columns, 13), 3.7), layout="constrained")
         axes = figure.subplots(1, columns, squeeze=False)[0]
     return figure, list(axes)

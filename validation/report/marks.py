@@ -116,9 +116,6 @@ class Figure:
     name: str
     caption: str
     panels: Sequence[Panel]
-    _: KW_ONLY
-    width: float | None = None  # [inch]; by the number of panels if not given
-    height: float = 3.7
 
 
 @dataclass(frozen=True, eq=False)
@@ -180,9 +177,7 @@ def draw(figure: Figure, data: xr.Dataset, *, axes: Axes | Sequence[Axes] | None
     whole, data = data, data[[n for n in data.data_vars if str(n).removesuffix("_error") in words]]
     figure = replace(figure, panels=[p for p in figure.panels if _shows(p, data)] or figure.panels[:1])
     if axes is None:
-        columns = len(figure.panels)
-        width = figure.width or min(1.0 + 4.0 * columns, 13.0)
-        canvas, places = new_figure(width=width, height=figure.height, columns=columns)
+        canvas, places = new_figure(columns=len(figure.panels))
     else:
         places = list(np.ravel(cast("Any", axes)))
         if len(places) != len(figure.panels) or not all(hasattr(on, "errorbar") for on in places):

@@ -69,7 +69,7 @@ def _of_solvers_against_hurst(data: xr.Dataset) -> Iterator[Figure]:
     caption += f"{'; published values' * ('kappa_published' in data)}."
     persson = Level("kappa_persson_by_solver", label="Persson")
     panel = against("hurst", "kappa_by_solver", *wide, persson, _LITERATURE, by="solver", bottom=1.5)
-    yield Figure("kappa-of-solvers", caption, [panel], width=4.2, height=4.4)
+    yield Figure("kappa-of-solvers", caption, [panel])
 
 
 def _against_hurst(data: xr.Dataset) -> Figure:
@@ -89,8 +89,6 @@ def _against_hurst(data: xr.Dataset) -> Figure:
             replace(panel, marks=(*marks, _LITERATURE)) if float(mean_area) < _LIGHT else panel
             for panel, mean_area in zip(panels, area, strict=True)
         ],
-        width=2.9 * max(2, len(panels)) + 1,
-        height=4.4,
     )
 
 
@@ -98,7 +96,7 @@ def _against_nayak(data: xr.Dataset) -> Figure:
     marks = ("kappa", Level("kappa_bgt"), Level("kappa_persson_light"))
     panels = panels_along(data, "load", against("nayak", *marks, by="family", log="x"))
     caption = "The same kappa against the realised Nayak parameter at each load."
-    return Figure("kappa-against-nayak", caption, panels, width=2.9 * max(2, len(panels)) + 1, height=4.4)
+    return Figure("kappa-against-nayak", caption, panels)
 
 
 def _ladder_figures() -> tuple[Figure, ...]:
@@ -128,8 +126,6 @@ def _ladder_figures() -> tuple[Figure, ...]:
             "kappa against the step to its order as the bandwidth grows (left) and the sample (right); lines and "
             "filled symbols at 0: the limit where it is determinable.",
             panels,
-            width=9.0,
-            height=4.2,
         ),
         Figure(
             "alpha-against-magnification",

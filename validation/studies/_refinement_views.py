@@ -62,7 +62,7 @@ def _on_grids(data: xr.Dataset, first: int) -> Iterator[Figure]:
         ]
         panels.append(against("points_per_wave_other", *lines, log="xy"))
     caption = "Distance of each definition of the area from the limit of its own surface, mean over surfaces."
-    yield Figure("error-against-resolution", caption, panels, width=5.0 * len(panels))
+    yield Figure("error-against-resolution", caption, panels)
     yield Figure(
         "error-against-cells",
         "What counting adds against the size of the contact patches in cells, surface by surface; Persson (2006, "
@@ -81,7 +81,7 @@ def _on_grids(data: xr.Dataset, first: int) -> Iterator[Figure]:
     caption = "Number of contact patches (left), and cells of the patches that hold parts of the area (right), against the grid."
     parts = against(waves, "cells_at_part", by="part", log="xy")
     panels = [against(waves, "patches", log="x"), parts]
-    yield Figure("patches-on-grids", caption, panels, width=9.0)
+    yield Figure("patches-on-grids", caption, panels)
     if "slope" in data.dims:
         caption = "kappa when the roughness goes down to the grid scale and nodes are counted, by how the slope is measured."
         marks = ("kappa_protocol", Level("kappa"), Level("kappa_persson"))
@@ -95,7 +95,7 @@ def _on_grids(data: xr.Dataset, first: int) -> Iterator[Figure]:
         hyun = Line("kappa_hyun", x="hurst_hyun", look={"color": "black", "marker": "x"})
         marked = (rough, smooth, Level("kappa_persson"), hyun)
         panels_of = panels_along(data, "solver", against("hurst_protocol", *marked, y="kappa"))
-        yield Figure("grid-scale-by-solver", caption, panels_of, width=9.0)
+        yield Figure("grid-scale-by-solver", caption, panels_of)
 
 
 def _of_areas(data: xr.Dataset, first: int) -> Iterator[Finding]:

@@ -213,7 +213,6 @@ def views(data: xr.Dataset) -> Views:
                 "Error of the contact area of every way to it against processor time on one thread (left) and "
                 "memory (right) for one surface; lines, ways that no other beats; black, the reference.",
                 [_panel(data, cost) for cost in ("seconds", "peak_bytes")],
-                height=5.6,
             )
         ],
         findings=findings[:6],

@@ -159,7 +159,6 @@ def views(data: xr.Dataset) -> Views:
                 "Pressure (left) and counted area (right) of other methods beside boundary elements on the "
                 "same surfaces and points.",
                 panels,
-                width=9.0,
             )
         ],
         findings=legs[:6],

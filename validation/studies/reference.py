@@ -222,14 +222,12 @@ def views(data: xr.Dataset) -> Views:
                 "Area of Persson's theory and of its variants over that of the table less one, for every Hurst "
                 "exponent at that bandwidth.",
                 variants,
-                width=12.0,
             ),
             Figure(
                 "reference-alpha",
                 "kappa over the Nayak parameter of C(q) for each Hurst exponent at light to middling loads, "
                 "interpolated along the bandwidth. Were alpha all that matters, the lines would be one.",
                 [panels_along(data, "reduced_pressure", alpha)[k] for k in few],
-                width=4.0 * len(few),
             ),
         ],
         findings=[*_findings(data, few)],

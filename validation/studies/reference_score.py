@@ -80,7 +80,7 @@ def views(data: xr.Dataset) -> Views:
         known = data.theory_excess.isel(theory=k).notnull().any(("bandwidth", "reduced_pressure")).values
         panels = [row for row in panels_along(data, "hurst", panel) if known[row.at["hurst"]]]
         caption = f"Area of {label} over that of the table, less one. The colours end at the worst cell."
-        figures.append(Figure(f"excess-{k}", caption, panels, width=3.0 * len(panels), height=2.8))
+        figures.append(Figure(f"excess-{k}", caption, panels))
     table = Table(("theory", *_CELL), ("theory", *_CELL, "area", "area_scored", "theory_excess", "z_score"))
     return Views(table=table, budget=("area",), figures=figures, findings=[*_findings(data)])
 

@@ -151,7 +151,6 @@ def views(data: xr.Dataset) -> Views:
                 "Deviation over what was allowed beforehand as each parameter goes from easy to hard; "
                 "values that were refused have none.",
                 by_method,
-                height=5.6,
             ),
             *alone,
         ],
