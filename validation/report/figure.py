@@ -67,7 +67,7 @@ def save_figure(figure: matplotlib.figure.Figure, path: Path, *, dpi: int = 150)
 def readable_ticks(axis: Axis) -> None:
     """Label a logarithmic axis of less than three decades with plain numbers: 2, 5, 10 and not 2 x 10^0.
 
-    There are as many as find place along the axis, and two at least.
+    There are two at least, and of plain numbers five at most.
     """
     low, high = sorted(axis.get_view_interval())
     standard = isinstance(axis.get_major_formatter(), LogFormatterSciNotation)
@@ -77,16 +77,10 @@ def readable_ticks(axis: Axis) -> None:
     # As plain text: to set each label as a formula takes longer than to draw the figure.
     axis.set_major_formatter(StrMethodFormatter("{x:g}") if plain else FuncFormatter(_power_of_ten))
     axis.set_minor_formatter(NullFormatter())
-    figure: Any = axis.axes.figure
-    place = axis.axes.get_position()
-    along = axis is axis.axes.xaxis
-    inches = place.width * figure.get_figwidth() if along else place.height * figure.get_figheight()
-    each = math.log10(high / low) * (0.45 if along else 0.3)
-    dense = [subs for subs in _TICKS if plain and len(subs) * each <= inches]
     powers = 10.0 ** np.arange(math.floor(math.log10(low)), math.log10(high) + 1)
-    for subs in (*dense[:1], *reversed(_TICKS)):
+    for subs in _TICKS if plain else reversed(_TICKS):
         ticks = np.outer(powers, subs)
-        if np.count_nonzero((low <= ticks) & (ticks <= high)) > 1:
+        if 1 < np.count_nonzero((low <= ticks) & (ticks <= high)) < (6 if plain else math.inf):
             axis.set_major_locator(LogLocator(subs=subs))
             return
     axis.set_major_locator(MaxNLocator(4))
