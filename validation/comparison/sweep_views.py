@@ -30,11 +30,9 @@ def sweep_views(data: xr.Dataset) -> Views:
     """Return what is shown of the dataset of a sweep."""
     keys = _keys(data)
     answer = _answer(data)
-    of_methods = [
-        Column(name, {"solver": k})
-        for k in range(data.sizes.get("solver", 0))
-        for name in ("area_perimeter_finest", "area_pixel_finest", "area_plastic_pixel_finest", "grid_finest")
-    ]
+    methods = range(data.sizes.get("solver", 0))
+    names = "area_perimeter_finest", "area_pixel_finest", "grid_finest"
+    of_methods = [Column(name, {"solver": k}) for k in methods for name in names]
     return Views(
         table=Table(
             _over(data),
@@ -44,6 +42,7 @@ def sweep_views(data: xr.Dataset) -> Views:
                 *(("area_own",) if _several(data) else ()),
                 "kappa" if answer == "area" else "kappa_ensemble",
                 *("area_persson", "area_ratio", "scatter"),
+                *(Column("area_plastic_pixel_finest", {"solver": k}) for k in methods),
                 *("area_plastic_persson", "area_plastic_ensemble"),
                 *(("area_ensemble",) if answer == "area" else ()),
                 *of_methods,
