@@ -427,6 +427,8 @@ def test_a_hostile_folder_ends_in_a_line_within_seconds(copied, hostile):
         ("1.1e-10", 1.149e-10, None, True),
         ("-0.20 %", 0.002, None, False),
         ("12,096", 12096, None, True),
+        ("0.12", 0.125, None, True),
+        ("0.13", 0.125, None, True),
         ("", float("nan"), None, True),
         ("0.5", float("nan"), None, False),
     ],

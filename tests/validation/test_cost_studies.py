@@ -161,17 +161,11 @@ def test_the_memory_of_a_peer_is_that_of_all_its_tries(monkeypatch):
 
 
 def test_solvers_that_are_asked_for_get_the_tolerance_of_the_study_and_their_own_settings():
-    named = ("bem", "tamaas", external_codes.__name__ + ":known_peers")
-    asked = {
-        solver.name: dict(solver.settings)
-        for part, solver in accuracy_cost._solvers(accuracy_cost.Options(methods=named))
-        if part == "others"
-    }
-    asked[named[2]].pop("code")
-    assert asked == {
-        "tamaas": {"tolerance": accuracy_cost._TOLERANCE},
-        named[2]: {"tolerance": accuracy_cost._TOLERANCE, "solver": named[2]},
-    }
+    named = [f"{external_codes.__name__}:{name}" for name in ("known_peers", "installed_peers")]
+    options = accuracy_cost.Options(methods=("bem", *named))
+    solvers = [solver for part, solver in accuracy_cost._solvers(options) if part == "others"]
+    told = [{n: v for n, v in solver.settings if n != "code"} for solver in solvers]
+    assert told == [{"tolerance": accuracy_cost._TOLERANCE, "solver": name} for name in named]
 
 
 def test_a_peer_that_fails_is_a_sentence():

@@ -92,6 +92,8 @@ def test_boundary_elements_are_scored_in_less_than_two_minutes_of_processor_time
     page = claims_page(result, figures=True)
     assert page.findings[0].startswith("Every claim holds: ")
     assert [problem for one in page.figures for problem in misdrawn(one, result.data)] == []
+    titles = [axes.get_title() for one in page.figures for axes in one.figure.axes]
+    assert len(set(titles)) == len(titles) > 3
     assert page.figures
 
 

@@ -150,11 +150,8 @@ def test_the_study_is_found_by_name_with_its_options_and_draws_every_case():
     study = find_study("stability")
     assert set(study.options.flags()) == {"--methods", "--cases", "--slowest"}
     data = turned(cases=("hardness", "ties"))
-    assert [drawing.name for drawing in study.figures(data)] == [
-        "stability",
-        "stability-hardness",
-        "stability-ties",
-    ]
+    (drawing,) = study.figures(data)
+    assert [one.label for one in drawing.drawn] == ["hardness", "ties", "allowed"]
     refused = data.isel(row=(data.outcome == "refused").values)
     assert refused.value.values.tolist() == [0.99]
     assert str(refused.message.values[0]).startswith("InvalidInput: pressure_bound")

@@ -115,7 +115,6 @@ def _outcome(case: HardCase, value: float, slowest: float) -> xr.Dataset:
 def views(data: xr.Dataset) -> Views:
     """Show what each method does with hard cases: how often right, refused, unconverged, wrong."""
     methods = list(dict.fromkeys(data.method.values.tolist()))
-    cases = list(dict.fromkeys(data.case.values.tolist()))
     by_method = [
         against(
             "turn",
@@ -125,21 +124,6 @@ def views(data: xr.Dataset) -> Views:
             title=method,
         )
         for method in methods
-    ]
-    alone = [
-        Figure(
-            f"stability-{name}",
-            f"{name}: {data.varied.values[data.case.values == name][0]}.",
-            [
-                against(
-                    "value",
-                    *[Line(y, where={"case": name}, label=y) for y in ("deviation", "bound")],
-                    log="y",
-                )
-            ],
-        )
-        for name in cases
-        if np.isfinite(data.deviation.values[data.case.values == name]).any()
     ]
     wrong = int((data.outcome == "WRONG").sum())
     judged = ("case", "method", "varied", "value", "deviation", "bound")
@@ -151,8 +135,7 @@ def views(data: xr.Dataset) -> Views:
                 "Deviation over what was allowed beforehand as each parameter goes from easy to hard; "
                 "values that were refused have none.",
                 by_method,
-            ),
-            *alone,
+            )
         ],
         findings=[
             finding(
