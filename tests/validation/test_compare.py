@@ -185,6 +185,8 @@ def test_what_cannot_be_compared_gets_one_line_and_the_rest_is_compared(results,
     assert "holds no finished results" in left_out[1]
     with pytest.raises(UsageError, match="fewer than two folders are left"):
         compare_folders([results / "first", results / "area-3"], tmp_path / "none")
+    with pytest.raises(UsageError, match=r"scene\.toml: is a file; name the folder of results"):
+        read_results(results / "scene.toml")
     with pytest.raises(UsageError, match="at least two results folders, each named once"):
         compare_folders([results / "first", results / "first"], tmp_path / "none")
 

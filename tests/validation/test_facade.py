@@ -295,8 +295,8 @@ loaded = partial(pressed, pressure=1e6)
         (lambda: loaded(grids=[64, 96], grid=64), "give one of them"),
         (lambda: CONTACT.limit([3.5]), "grid = 3.5: give points along the sides"),
         (lambda: CONTACT.plot([0, 0]), "is not drawn; one of: 'pressure'"),
-        (lambda: CONTACT.plot(ax=3), "ax = 3: give axes of matplotlib"),
-        (lambda: CONTACT.plot("distribution", ax=Figure().subplots()), "give axes of matplotlib, 2,"),
+        (lambda: CONTACT.plot(ax=3), "ax = 3: give 1 axes of matplotlib"),
+        (lambda: CONTACT.plot("distribution", ax=Figure().subplots()), "give 2 axes of matplotlib"),
         (
             lambda: theory(SURFACE, **SOLID, pressure=1e6, offset="1 um"),
             "offset: no such .*; Allowed: (?!.*off)",

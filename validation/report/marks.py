@@ -181,7 +181,8 @@ def draw(figure: Figure, data: xr.Dataset, *, axes: Axes | Sequence[Axes] | None
     else:
         places = list(np.ravel(cast("Any", axes)))
         if len(places) != len(figure.panels) or not all(hasattr(on, "errorbar") for on in places):
-            raise UsageError(f"ax = {axes!r}: give axes of matplotlib, {len(figure.panels)}, or leave it out")
+            count = f"{len(figure.panels)} axes of matplotlib, one for each panel"
+            raise UsageError(f"ax = {axes!r}: give {count}, or leave it out")
         canvas = cast("Any", places[0].figure)
     for panel, on in zip(figure.panels, places, strict=True):
         drawn += _draw_panel(panel, on, data)

@@ -118,5 +118,6 @@ def impossible(heights: Array, size: Pair) -> Iterator[str]:
         slope = max(rms(np.diff(heights, axis=axis)) / cells[axis] for axis in (0, 1))
     if slope > _STEEPEST:
         yield f"root mean square slopes of {slope:.3g} are no surface's: check unit and length"
-    if (height := rms(heights - np.nanmean(heights))) < _LEAST_HEIGHT:
+    known = heights[np.isfinite(heights)]
+    if known.size and (height := float(np.std(known))) < _LEAST_HEIGHT:
         yield f"no instrument measures heights of {as_length(height, 3)}, root mean square: check their unit"
