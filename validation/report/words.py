@@ -101,13 +101,7 @@ def percent(value: float) -> str:
     >>> percent(0.0312), percent(-0.5), percent(0.00004), percent(float("nan"))
     ('3.1 %', '-50 %', '0.0040 %', 'not determinable')
     """
-    if not np.isfinite(value):
-        return "not determinable"
-    size = abs(100 * value)
-    if size == 0:
-        return "0 %"
-    decimals = max(0, 1 - int(np.floor(np.log10(size))))
-    return f"{100 * value:.{decimals}f} %"
+    return f"{significant(100 * value, 2)} %" if np.isfinite(value) else "not determinable"
 
 
 def with_error(value: float, error: float) -> str:
