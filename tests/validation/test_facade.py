@@ -204,7 +204,7 @@ def test_several_grids_give_every_number_its_error():
     assert list(row.points) == [64, 32]
     assert list(row.area) == [fine.area.value, CONTACT.area.value]
     assert list(row.kappa) == [fine.kappa.value, CONTACT.kappa.value]
-    assert f"A/A0 = {CONTACT.area} (counted" in repr(CONTACT)
+    assert f"A/A0 = {CONTACT.areas().perimeter:.4g} corrected at its edge (counted" in repr(CONTACT)
     assert "A/A0, own" not in fine.limit()._repr_html_()
     assert fine.mean_gap._repr_html_().count("nm") == 1
 

@@ -248,12 +248,13 @@ class Contact:
 
     @property
     def _facts(self) -> dict[str, str]:
-        theory, loaded = self.theory, self._loaded
+        areas, theory, loaded = self.areas(), self.theory, self._loaded
         pressure = alike(loaded.pressure, self.scene.load.pressure)
         facts = {
             "solve": self.solve.label,
             "p0": f"{in_prefixed_unit(pressure, 'Pa')} (p* = {loaded.reduced_pressure:.4g})",
-            "A/A0": f"{self.area} (counted {significant(self.areas().pixel)})",
+            "A/A0": f"{significant(areas.perimeter)} corrected at its edge "
+            f"(counted {significant(areas.pixel)})",
         }
         if theory is not None:
             facts["A/A0, Persson"] = significant(theory.area) if theory.answers else theory.note
