@@ -45,6 +45,8 @@ def misdrawn(drawing, data):
         marks = [one for one in drawing.drawn if one.axes is axes]
         names = {one.mark.y for one in marks}
         yield from _confused(drawing, [one for one in marks if type(one.mark).__name__ == "Line"])
+        for axis in (axes.xaxis, axes.yaxis):
+            yield from _misplaced(drawing, axis)
         if not axes.get_xlabel() or not axes.get_ylabel():
             yield f"{drawing.name}: an axis of {names} has no label"
         if type(marks[0].mark).__name__ != "Image":
@@ -65,6 +67,25 @@ def _confused(drawing, lines):
         look = (*map(to_hex, parts), line.get_marker(), line.get_linestyle(), line.get_linewidth())
         if seen.setdefault(look, one.label) != one.label:
             yield f"{drawing.name}: {one.label!r} looks as {seen[look]!r} does"
+
+
+def _misplaced(drawing, axis):
+    """Say so where a number beside an axis, by the power of ten at its end, is not that of its place."""
+    formatter, places = axis.get_major_formatter(), axis.get_majorticklocs()
+    if type(formatter).__name__ == "StrCategoryFormatter":
+        return
+    plain = str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789", "$") | {ord("\N{MINUS SIGN}"): "-"}
+    texts = formatter.format_ticks(places)
+    power = formatter.get_offset().translate(plain)
+    if not re.fullmatch(r"(1e-?\d+)?", power):
+        yield f"{drawing.name}: beside {axis.get_label_text()!r} stands {power!r}"
+        return
+    for place, text in zip(places / float(power or 1), texts, strict=True):
+        number = re.sub(r"\\mathdefault|[{}]", "", text)
+        number = re.sub(r"(?:(.*)(?:×|\\times))?10\^?(?=[⁻⁰¹²³⁴⁵⁶⁷⁸⁹]|(?<=\^))", r"\1e", number)
+        number = re.sub(r"^(-?)e", r"\g<1>1e", number.translate(plain))
+        if number and not math.isclose(float(number), place, rel_tol=1e-9, abs_tol=1e-9 * np.ptp(places)):
+            yield f"{drawing.name}: {text!r} stands at {place:g} of {axis.get_label_text()!r}"
 
 
 def _scales_of_colour(drawing, images):

@@ -79,6 +79,23 @@ def test_what_shows_a_result_and_was_changed_ends_in_a_line(folder):
         audit(folder)
 
 
+def test_a_picture_may_go_but_not_be_changed_and_no_table_may_come_or_go(left, tmp_path):
+    folder = left("area", tmp_path / "area")
+    picture = next((folder / "figures").glob("*.svg"))
+    text = picture.read_text()
+    picture.write_text(text.replace("<svg", "<svg ", 1))
+    with pytest.raises(ValueError, match=rf"{picture.name} is not what was written"):
+        audit(folder)
+    picture.unlink()
+    assert audit(folder).wrong == ()
+    (folder / "table.csv").rename(folder / "mine.csv")
+    with pytest.raises(ValueError, match=r"mine\.csv was not written with it"):
+        audit(folder)
+    (folder / "mine.csv").unlink()
+    with pytest.raises(FileNotFoundError, match=r"table\.csv"):
+        audit(folder)
+
+
 def test_a_step_of_second_order_is_that_of_the_two_finest_grids():
     points = np.array([3.0, 4.0, 10.0])
     gap = 0.7 + np.multiply.outer([1.0, -2.0], np.array([np.nan, 1.0, 1.0]) / points**2)

@@ -4,6 +4,7 @@ import csv
 import dataclasses
 import io
 import json
+import math
 import re
 import shutil
 import socket
@@ -147,6 +148,12 @@ def test_what_was_measured_nowhere_takes_no_column_and_is_named_below():
     table = shown(ResultTable.of(("number", "grid [%]", "size [%]", "solver [%]"), cells), note="Shares.")
     assert table.columns == ("number", "grid [%]", "solver [%]")
     assert table.note == "Shares. Not measured: size."
+
+
+def test_what_intervals_hold_is_said_of_the_rows_that_have_one():
+    cells = [("a", 2.0, 0.1, "grid"), ("b", 3.0, math.nan, math.nan)]
+    table = shown(ResultTable.of(("number", "kappa", "kappa +- (95 %)", "kappa +- holds"), cells))
+    assert table.note == "Intervals (95 %) hold: grid."
 
 
 def test_numbers_of_a_figure_stand_at_values_not_at_places(tmp_path):

@@ -76,6 +76,8 @@ MISTAKES = {
     "colour of none": lambda f: line(f, 0).set_color("red"),
     "symbol of another": lambda f: line(f, 2).set_marker("o"),
     "steps where none are": lambda f: line(f, 3).set_drawstyle("steps-mid"),
+    "without a part": lambda f: f.drawn[3].axes.yaxis.get_major_formatter().set_useOffset(1.5),
+    "beside its place": lambda f: f.drawn[3].axes.yaxis.set_major_formatter("{x:.0f}"),
     "cut off": lambda f: f.drawn[3].axes.set_ylim(bottom=1.5),
     "band elsewhere": lambda f: f.drawn[4].artist.set_verts([[(0.01, 1.7), (0.05, 1.5), (0.1, 1.5)]]),
 }
@@ -89,6 +91,12 @@ def test_a_figure_of_the_kit_shows_what_it_says(drawing, data):
 def test_a_mistake_in_a_picture_is_noticed(drawing, data, mistake):
     MISTAKES[mistake](drawing)
     assert list(misdrawn(drawing, data))
+
+
+def test_what_is_nearly_one_is_drawn_whole(data):
+    near = data.assign(kappa_persson=1 + 1e-6 * data.kappa_persson)
+    panel = Panel(marks=[Line(y="kappa_persson")], x="reduced_pressure")
+    assert list(misdrawn(draw(Figure(name="f", caption="c", panels=[panel]), near), near)) == []
 
 
 @pytest.fixture

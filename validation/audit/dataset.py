@@ -24,6 +24,9 @@ Lines: TypeAlias = list[list[str]]
 #: Variables by name.
 Variables: TypeAlias = Mapping[Any, xr.Variable]
 
+#: Where what shows a result in numbers lies.
+_NUMBERS = ("*.csv", "figures/*.nc")
+
 
 def ordered(variable: xr.Variable, dims: tuple[Any, ...]) -> Array:
     """Return an array with these dimensions in this order, of length 1 where it has none of them."""
@@ -53,42 +56,38 @@ class Result:
         self.record = read_record(folder / "result.json")
         data = _bytes(folder / "data.nc", str(self.record["data"]))
         self.data: Variables = read_dataset(memoryview(data)).variables
-        self.digests: Mapping[str, str] = read_record(folder / "shown.json")["files"]
-        for name in self.digests:
-            if (folder / name).exists():  # a figure that is not wanted may go
-                self._shown(name)
-        self.summary: Mapping[str, Any] = json.loads(self._shown("summary.json"))
+        named: Mapping[str, str] = read_record(folder / "shown.json")["files"]
+        beside = {str(path.relative_to(folder)) for kind in _NUMBERS for path in folder.glob(kind)}
+        if foreign := sorted(beside - named.keys()):
+            raise ValueError(f"{foreign[0]} was not written with it")
+        needed = (n for n in named if (folder / n).exists() or n.endswith(".nc") or "/" not in n)
+        self._shown = {name: _bytes(folder / name, named[name]) for name in needed}
+        self.summary: Mapping[str, Any] = json.loads(self._shown["summary.json"])
         if not isinstance(self.summary, dict):
             raise ValueError("summary.json holds no table")
-
-    def _shown(self, name: str) -> bytes:
-        """Return the bytes of a file that shows the result, once they are those that were written."""
-        return _bytes(self.folder / name, str(self.digests[name]))
-
-    def _names(self, folder: str, suffix: str) -> list[str]:
-        """List the files of a kind: those that were written, and what lies beside them."""
-        there = (str(path.relative_to(self.folder)) for path in (self.folder / folder).glob(f"*{suffix}"))
-        written = {name for name in self.digests if name.endswith(suffix)}
-        return sorted({*there, *(name for name in written if str(Path(name).parent) == folder)})
 
     @cached_property
     def tables(self) -> dict[str, Lines]:
         """Lines of each CSV file by its name, its header first."""
         return {
-            name: list(csv.reader(io.StringIO(self._shown(name).decode(), newline="")))
-            for name in self._names(".", ".csv")
+            name: list(csv.reader(io.StringIO(content.decode(), newline="")))
+            for name, content in sorted(self._shown.items())
+            if name.endswith(".csv") and "/" not in name
         }
 
     @cached_property
     def figures(self) -> dict[str, Variables]:
         """Data behind each figure by the name of its file."""
-        names = self._names("figures", ".nc")
-        return {Path(name).name: read_dataset(memoryview(self._shown(name))).variables for name in names}
+        return {
+            Path(name).name: read_dataset(memoryview(content)).variables
+            for name, content in sorted(self._shown.items())
+            if name.endswith(".nc")
+        }
 
     @cached_property
     def page(self) -> str:
         """The report; empty where there is none."""
-        return self._shown("report.html").decode() if "report.html" in self.digests else ""
+        return self._shown.get("report.html", b"").decode()
 
     @cached_property
     def store(self) -> Path | None:

@@ -20,7 +20,7 @@ from validation.errors import NoLimit, UsageError, did_you_mean
 from validation.notebook._contact import Contact, pressed
 from validation.notebook._surface import Surface
 from validation.notebook._tables import GridLike, Quantity, checked, fast_grid, grids_of
-from validation.report.values import Value
+from validation.report.values import Value, value_of
 from validation.scenes.checks import check_scene
 from validation.scenes.problem import realise
 from validation.scenes.scene import Scene
@@ -143,7 +143,9 @@ def theory(
 
 
 def table(contacts: Iterable[Contact], *, along: str | None = None, limit: bool = False) -> xr.Dataset:
-    """Return the numbers of several contacts as one dataset.
+    """Return the numbers of several contacts as one dataset; ``area_error`` is half of the 95 % interval.
+
+    One grid tells no error: press each on several, or ask for the limit.
 
     Parameters
     ----------
@@ -204,6 +206,8 @@ def _numbers(contact: Contact, *, limit: bool) -> xr.Dataset:
     row = data[list(columns)].rename(columns).reset_coords(drop=True)
     if "persson" in row:
         row["persson_kappa"] = row.persson / load
+    halves = {name: value_of(contact.data, name).error for name in ("area", "kappa")}
+    row = row.assign({f"{name}_error": math.nan if half is None else half for name, half in halves.items()})
     if not limit:
         return row
     try:
