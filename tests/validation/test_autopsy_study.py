@@ -6,13 +6,14 @@ import xarray as xr
 from numpy.testing import assert_allclose, assert_array_equal
 from planted import decided
 from pydantic import ValidationError
-from scipy.special import ndtr
+from scipy.special import ndtr, stdtrit
 
 from persson import elastic, solve_diffusion
 from validation.measurements import diffusion, limits, rings
 from validation.measurements.budgets import Memory, Pressed, budget, composed_inflow, diffused_area
 from validation.measurements.common import base_case, base_surface
 from validation.measurements.rings import ring_ends
+from validation.report.estimates import derive, mean
 from validation.studies import autopsy
 
 SMALL = {"periods": 2, "bandwidth": 4.0, "surfaces": 2, "probe_surfaces": 2, "probes": (2.0,)}
@@ -27,6 +28,17 @@ def chain(*, load, **changes):
         "restarts": (1.0, 2.0),
     }
     return rings.chain(**{**settings, **changes})
+
+
+def test_a_ratio_of_means_has_a_value_where_one_surface_has_none():
+    gone, back = ("surface", [2.0, 4.0, 0.0]), ("surface", [1.5, 2.0, 1.0])
+    data = xr.Dataset({"share_lost_each": gone, "share_entered_each": back})
+    ratio = diffusion.ratio_of_means("share_entered_each", "share_lost_each", "surface")
+    data = mean(derive(data, entered_ratio_each=ratio), "entered_ratio")
+    assert data.entered_ratio.item() == pytest.approx(0.75)
+    # Residuals 0, -1 and 1 of a mean of 2, and Student's factor of three samples.
+    half = data.entered_ratio_error.sel(source="surfaces").item()
+    assert half == pytest.approx(stdtrit(2, 0.975) * 0.5 / 3**0.5)
 
 
 @pytest.fixture(scope="module")

@@ -299,6 +299,16 @@ def power_at_zero_step(powers: xr.DataArray, steps: xr.DataArray) -> xr.DataArra
     return value_at_zero(powers.isel(step_pair=slice(0, steps.size - 1)), middles, degree=1)
 
 
+def ratio_of_means(above: str, below: str, over: str) -> str:
+    """Expression whose mean over surfaces is the ratio of two means, and whose scatter is that of the ratio.
+
+    To first order (Cochran, Sampling Techniques, Sec. 6.4); ratios of single surfaces have no mean where what
+    they are divided by may vanish on one.
+    """
+    mean = f"{below}.mean('{over}')"
+    return f"{above} / {mean} + {above}.mean('{over}') / {mean} * (1 - {below} / {mean})"
+
+
 def _with_flows(data: xr.Dataset) -> xr.Dataset:
     area, steps = data.area_probe_each.isel(probe_level=0, drop=True), data.relative_step
     flows = {
@@ -314,17 +324,15 @@ def _with_flows(data: xr.Dataset) -> xr.Dataset:
         **{f"power_{name}_each": power.isel(step_pair=-1) for name, power in powers.items()},
         power_local_each=powers["share_lost"].isel(step_pair=slice(0, -1)),
         power_limit_each=power_at_zero_step(powers["share_lost"], steps),
-        entered_ratio_limit_each=value_at_zero(
-            flows["share_entered"] / flows["share_lost"], steps**0.5, degree=1
-        ),
         area_exponent_probe_each=net,
     )
-    return derive(
+    data = derive(
         data,
-        entered_ratio_each="share_entered_each / share_lost_each",
+        entered_ratio_each=ratio_of_means("share_entered_each", "share_lost_each", "probe_surface"),
         edge_loss_each="-area_exponent_probe_each.isel(variance_step=-1)",
         load_taken_each="share_load_entered_each / relative_step",
     )
+    return _added(data, entered_ratio_limit_each=value_at_zero(data.entered_ratio_each, steps**0.5, degree=1))
 
 
 def _with_profiles(data: xr.Dataset) -> xr.Dataset:
