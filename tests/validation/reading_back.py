@@ -41,6 +41,7 @@ def misdrawn(drawing, data):
         for problem in _mark(one, data, drawing):
             yield f"{drawing.name}, {one.label!r}: {problem}"
     yield from _beyond(drawing)
+    yield from _side_by_side(drawing)
     for axes in {id(one.axes): one.axes for one in drawing.drawn}.values():
         marks = [one for one in drawing.drawn if one.axes is axes]
         names = {one.mark.y for one in marks}
@@ -56,6 +57,25 @@ def misdrawn(drawing, data):
     yield from _scales_of_colour(
         drawing, [one for one in drawing.drawn if type(one.mark).__name__ == "Image"]
     )
+
+
+def _side_by_side(drawing):
+    """Say so where panels of the same quantities differ in their ends, or not the first alone names its y."""
+    axes = list(dict.fromkeys(one.axes for one in drawing.drawn))
+    shown = [
+        (on, panel.x, panel.y or panel.marks[0].y) for on, panel in zip(axes, drawing.panels, strict=True)
+    ]
+    along, up = (
+        {(part[k], getattr(part[0], f"get_{axis}label")()) for part in shown}
+        for k, axis in ((1, "x"), (2, "y"))
+    )
+    if len(along) == 1 < len({on.get_xlim() for on in axes}):
+        yield f"{drawing.name}: panels along {along} have other ends"
+    if len(up) == 1 < len({on.get_ylim()[1] for on in axes}):
+        yield f"{drawing.name}: panels of {up} have other ends"
+    for on in axes:
+        if on.yaxis.label.get_visible() != (on is axes[0] or len(up) > 1):
+            yield f"{drawing.name}: {on.get_ylabel()!r} is named again, or not at all"
 
 
 def _confused(drawing, lines):

@@ -13,6 +13,7 @@ from gold.asked import STUDIES
 from validation.audit import Ledger, dataset, values
 from validation.audit.files import page_tables
 from validation.audit.values import value_ledger
+from validation.comparison.run import run_scene
 from validation.report.quantities import registry
 from validation.report.words import mathematics
 
@@ -114,6 +115,13 @@ def test_of_nothing_no_error_is_a_part_of_the_budget_and_any_other_cannot_be_sai
         assert (found[0] if found else None) == (share == "0.0"), ledger.entries[:4]
 
 
+def test_how_far_other_treatments_of_a_map_move_its_area_is_judged(map_scene, tmp_path):
+    heights = np.random.default_rng(3).standard_normal((32, 32))
+    result = dataset.Result(run_scene(map_scene(heights), tmp_path / "out", report=False).folder)
+    assert "treatment [%]" in result.tables["budget.csv"][0]
+    _damage_each_cell(result, "budget.csv", values.judge_budget)
+
+
 def _damage_each_cell(result, file, part):
     rows = result.tables[file]
     assert not finds(part, changed(result, "tables", {file: rows}))
@@ -138,6 +146,8 @@ def _damage_each_cell(result, file, part):
 def test_each_number_of_the_summary_that_is_blanked_or_moved_is_found(results, name):
     numbers = results[name].summary["numbers"]
     for named, value in numbers.items():
+        left = {"numbers": {other: numbers[other] for other in numbers if other != named}}
+        assert finds(values.judge_numbers, changed(results[name], "summary", left)), named
         for key in ("value", "error"):
             if isinstance(value.get(key, ""), float):
                 for wrong in (None, value[key] * (1 + 1e-6) + 1e-300):
@@ -151,7 +161,8 @@ def test_an_interval_without_end_is_nothing_in_json(results):
     endless = {"side_seconds_error": xr.full_like(result.data["side_seconds_error"], math.inf)}
     data = changed(result, "data", {**result.data, **endless})
     for interval, wrong in ((None, False), (0.5, True)):
-        numbers = {"side_seconds": {**result.summary["numbers"]["side_seconds"], "error": interval}}
+        numbers = result.summary["numbers"]
+        numbers = {**numbers, "side_seconds": {**numbers["side_seconds"], "error": interval}}
         assert finds(values.judge_numbers, changed(data, "summary", {"numbers": numbers})) == wrong
 
 

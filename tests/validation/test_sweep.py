@@ -101,6 +101,9 @@ def test_a_sweep_is_explained_by_its_first_and_last_case(small_scene):
     loads = load_asked(small_scene, ["sweep.reduced_pressure=[0.1, 0.2, 0.3]", "sweep.shifts=[1, 2]"])
     said = [part for part in explain_sweep(loads).parts() if isinstance(part, str)]
     assert "6 cases, every combination of load.reduced_pressure (3 values), " in said[0]
+    for cases, told in ((2, False), (3, True)):
+        few = load_asked(small_scene, [f"sweep.reduced_pressure={[0.1, 0.2, 0.3][:cases]}"])
+        assert ("The first and the last of them:" in explain_sweep(few).parts()) == told
     assert [text for text in said if "Case" in text] == [
         "\nCase reduced_pressure = 0.1, bem_shifts = 1:",
         "\nCase reduced_pressure = 0.3, bem_shifts = 2:",

@@ -124,8 +124,11 @@ def judge_findings(result: Result, ledger: Ledger) -> None:
 
 
 def judge_numbers(result: Result, ledger: Ledger) -> None:
-    """Judge the numbers of summary.json, and their intervals."""
-    for name, value in result.summary.get("numbers", {}).items():
+    """Judge the numbers of summary.json, and their intervals: all that have no dimension."""
+    numbers = result.summary.get("numbers", {})
+    single = {name for name, v in result.data.items() if not v.dims and v.dtype.kind in "fiubUO"}
+    ledger.same("summary.json", "missing numbers", sorted(single - {*numbers}), [])
+    for name, value in numbers.items():
         if name in result.data:
             _judge_value(result, f"numbers: {name}", value, name, {}, ledger)
 
@@ -233,11 +236,11 @@ def judge_budget(result: Result, ledger: Ledger) -> None:
             for source, share in zip(SOURCES, shares, strict=True):
                 told = "not measured" if math.isnan(share) else share
                 cells[f"{source} [%]"] = "does not enter" if source in error.attrs else told
-            if "treatment_spread" in result.data and name in ("area", "area_own"):
+            if "treatment_spread" in result.data:
                 spread = result.data["treatment_spread"].isel(at, missing_dims="ignore")
-                cells["treatment [%]"] = of_map = 100 * float(spread.values)
+                of_map = 100 * float(spread.values) if name in ("area", "area_own") else math.nan
                 measured = [share for share in entering if not math.isnan(share)]
-                cells["with treatment [%]"] = math.hypot(of_map, *measured)
+                cells |= {"treatment [%]": of_map, "with treatment [%]": math.hypot(of_map, *measured)}
             rows.append(cells)
     ledger.same("budget.csv", "missing columns", sorted({*rows[0]} - {*header}) if rows else [], [])
     at_columns = [{k: row[title] for k, title in enumerate(header) if title in row} for row in rows]

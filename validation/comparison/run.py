@@ -173,12 +173,10 @@ def report_scene(folder: Path, *, pictures: bool | None = None) -> Outputs:
 
 
 def _link_blocks(results: Solves, folder: Path) -> Iterator[Path]:
-    """Yield the deformed blocks of this run, named by their grids; those of an earlier run are taken away.
+    """Yield the deformed blocks of this run, named by their grids.
 
     The store keeps the blocks of every scene that ran in it; here are those that belong to the report.
     """
-    for earlier in folder.glob("*.vtu"):
-        earlier.unlink(missing_ok=True)
     for solve in results:
         assert isinstance(solve, Press)
         stored = solve.block_file(results.store.folder) if solve.has_block else None
@@ -186,6 +184,7 @@ def _link_blocks(results: Solves, folder: Path) -> Iterator[Path]:
             continue
         folder.mkdir(exist_ok=True)
         target = folder / f"{solve.prefix}.vtu"
+        target.unlink(missing_ok=True)
         try:
             os.link(stored, target)
         except OSError:  # another file system, or one without links
