@@ -13,7 +13,7 @@ from validation.measurements import diffusion, limits, rings
 from validation.measurements.budgets import Memory, Pressed, budget, composed_inflow, diffused_area
 from validation.measurements.common import base_case, base_surface
 from validation.measurements.rings import ring_ends
-from validation.report.estimates import derive, mean
+from validation.report.estimates import derive, mean, ratio_of_means
 from validation.studies import autopsy
 
 SMALL = {"periods": 2, "bandwidth": 4.0, "surfaces": 2, "probe_surfaces": 2, "probes": (2.0,)}
@@ -33,7 +33,7 @@ def chain(*, load, **changes):
 def test_a_ratio_of_means_has_a_value_where_one_surface_has_none():
     gone, back = ("surface", [2.0, 4.0, 0.0]), ("surface", [1.5, 2.0, 1.0])
     data = xr.Dataset({"share_lost_each": gone, "share_entered_each": back})
-    ratio = diffusion.ratio_of_means("share_entered_each", "share_lost_each", "surface")
+    ratio = ratio_of_means("share_entered_each", "share_lost_each", "surface")
     data = mean(derive(data, entered_ratio_each=ratio), "entered_ratio")
     assert data.entered_ratio.item() == pytest.approx(0.75)
     # Residuals 0, -1 and 1 of a mean of 2, and Student's factor of three samples.

@@ -223,8 +223,10 @@ def test_rungs_of_a_known_order_lead_to_their_limit_and_a_shift_grows_with_it():
     for kind, order in (("bandwidth", 1.4), ("size", 2.0)):
         ladders[f"order_by_{kind}"] = ("ladder", [order])
         ladders = claim(ladders, f"kappa_by_{kind}_slope", surfaces=0.3)
+        ladders = claim(ladders, f"kappa_by_{kind}_limit", **{kind: 0.1 if kind == "bandwidth" else 0.001})
     shares = spectral_errors(ladders, hurst=0.3, bandwidth=8.0, periods=4.0)
-    assert_allclose(shares["bandwidth"], 0.8 * 8**-1.4 / 2, rtol=1e-12)
+    # Of the bandwidth the limit is less sure than the shift, of the sample the shift.
+    assert_allclose(shares["bandwidth"], (0.5 * 8**-1.4 + 0.1) / 2, rtol=1e-12)
     assert_allclose(shares["size"], 0.8 / 4**2 / 2, rtol=1e-12)
     others = spectral_errors(ladders, hurst=0.5, bandwidth=8.0, periods=4.0)
     assert all(np.isnan(share) for share in others.values())

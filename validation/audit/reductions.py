@@ -231,10 +231,10 @@ def _polynomial(result: Result, name: str, variable: xr.Variable) -> Array:
 
 
 def _mean_distance(result: Result, name: str, variable: xr.Variable) -> Array:
-    """Mean distance from 1 over the loads below full contact."""
+    """Mean distance from 1, in logarithms, over the loads below nearly full contact."""
     over = ordered(result.data[str(variable.attrs["of"])], (*variable.dims, "load")).astype(float)
     partly = result.data["area"].values < float(variable.attrs["below"])
-    return np.asarray(np.abs(over[..., partly] - 1).mean(axis=-1))
+    return np.asarray(np.abs(np.log(over[..., partly])).mean(axis=-1))
 
 
 #: By the attribute `reduction`.

@@ -49,7 +49,8 @@ def bandwidth_order(hurst: float) -> float:
     """Order in lambda_short/lambda_long: 2 (1 - H).
 
     The long waves matter by their share in the mean square gradient, which falls so as shorter waves are
-    added.
+    added. That kappa follows is an argument and no law: at bandwidths up to 256 it falls like some 0.7 times
+    this order, so that what half the order would say is part of the error of a limit.
 
     >>> round(bandwidth_order(0.8), 12)
     0.4
@@ -314,7 +315,23 @@ class Ladders:
             )
         data = mean(data, kappa, f"nayak_{kind}", over=over, pairs=True)
         at = {"x": f"step_{kind}", "along": rung, "over": over}
-        return line(data, kappa, **at, common=common, pairs=True, drift=source)
+        data = line(data, kappa, **at, common=common, pairs=True, drift=source)
+        if common:
+            steps = (
+                data[f"step_{kind}"] ** 0.5
+            )  # of half the order; groups of the same surfaces have equal weights
+            slower = line(
+                data.assign({f"step_{kind}": steps}), kappa, **at, common=True, pairs=True, drift=source
+            )
+            other = data[kappa].mean(rung) - slower[f"{kappa}_slope"] * steps.mean(rung)
+            doubt = (xr.ones_like(data.source, float) * (other - data[f"{kappa}_limit"])).where(
+                data.source == source, 0.0
+            )
+            error = data[f"{kappa}_limit_error"]
+            data[f"{kappa}_limit_error"] = (
+                np.hypot(error, doubt).transpose(*error.dims).assign_attrs(error.attrs)
+            )
+        return data
 
 
 def spectral_errors(
@@ -322,19 +339,21 @@ def spectral_errors(
 ) -> dict[str, xr.DataArray]:
     """Return how far kappa may be from that of endless bandwidth and sample, relative, by source, for `claim`.
 
-    It is the shift along the ladder and its interval, over the limit; NaN without a ladder of this H, or a
-    limit.
+    It is the shift along the ladder and its interval, or that of the limit if it is larger, over the limit;
+    NaN without a ladder of this H, or a limit.
     """
     shares: dict[str, Any] = {}
     for kind, (_, source) in LADDERS.items():
         name, value = f"kappa_{kind}", bandwidth if source == "bandwidth" else periods
         half = total_error(ladders, f"{name}_slope")
         assert half is not None
-        limit = ladders[[f"{name}_limit", f"{name}_slope", f"order_{kind}"]].assign(half=half)
+        doubt = ladders[f"{name}_limit_error"].sel(source=source, drop=True)
+        limit = ladders[[f"{name}_limit", f"{name}_slope", f"order_{kind}"]].assign(half=half, doubt=doubt)
         limit = limit.swap_dims(ladder="hurst_ladder").rename(hurst_ladder="hurst")
         at = limit.reindex(hurst=np.atleast_1d(hurst), method="nearest", tolerance=1e-9)
         if np.ndim(hurst) == 0:
             at = at.isel(hurst=0, drop=True)
         step = value ** -at[f"order_{kind}"]
-        shares[source] = (abs(at[f"{name}_slope"]) + at.half) * step / at[f"{name}_limit"]
+        moved = abs(at[f"{name}_slope"]) * step + np.fmax(at.half * step, at.doubt)
+        shares[source] = moved / at[f"{name}_limit"]
     return shares

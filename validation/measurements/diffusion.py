@@ -17,12 +17,22 @@ from validation.execution.bench import Bench
 from validation.execution.measurement import Call
 from validation.measurements.limits import ABSENT, solved, stored_variables, two_grid_limit, value_at_zero
 from validation.measurements.measurement import AREAS, area_limits
-from validation.report.estimates import NORMAL, bare, claim, derive, error_of, gather, mean, nearest
+from validation.report.estimates import (
+    NORMAL,
+    bare,
+    claim,
+    derive,
+    error_of,
+    gather,
+    mean,
+    nearest,
+    ratio_of_means,
+)
 
 #: d ln A / d ln V of the theory from which on the contact is not full.
 TOUCHED = -0.05
 #: How near 1/2 an exponent is called so.
-_HALF = 0.03
+HALF = 0.03
 #: A relative change of the area too small to be compared with another.
 _NO_LOSS = 1e-3
 
@@ -123,7 +133,7 @@ def with_diffusion_terms(data: xr.Dataset) -> xr.Dataset:
         square_gap=abs(data.square_told / data.square_growth - 1).max(),
         area_gap=closed.where(data.area_exponent_persson < TOUCHED),
     )
-    data = derive(data, power_excess=f"(power_limit - 0.5) / {_HALF}")
+    data = derive(data, power_excess=f"(power_limit - 0.5) / {HALF}")
     return _with_slopes(data).set_coords("magnification")
 
 
@@ -297,16 +307,6 @@ def power_at_zero_step(powers: xr.DataArray, steps: xr.DataArray) -> xr.DataArra
         return powers.isel(step_pair=0)
     middles = xr.DataArray((steps.values[1:] * steps.values[:-1]) ** 0.25, dims="step_pair")
     return value_at_zero(powers.isel(step_pair=slice(0, steps.size - 1)), middles, degree=1)
-
-
-def ratio_of_means(above: str, below: str, over: str) -> str:
-    """Expression whose mean over surfaces is the ratio of two means, and whose scatter is that of the ratio.
-
-    To first order (Cochran, Sampling Techniques, Sec. 6.4); ratios of single surfaces have no mean where what
-    they are divided by may vanish on one.
-    """
-    mean = f"{below}.mean('{over}')"
-    return f"{above} / {mean} + {above}.mean('{over}') / {mean} * (1 - {below} / {mean})"
 
 
 def _with_flows(data: xr.Dataset) -> xr.Dataset:

@@ -14,7 +14,7 @@ from validation.arrays import Array, Grid
 from validation.execution.measurement import measurement
 from validation.measurements.flow import States, contact_is_apart, gap_is_open, located_area
 from validation.measurements.measurement import press_elastic, without_waves_beyond
-from validation.report.estimates import claim, derive, mean
+from validation.report.estimates import claim, derive, jackknife, mean, ratio_of_means
 from validation.scenes.problem import ContactProblem
 
 #: Located area, and magnification, up to which a threshold is bracketed.
@@ -137,20 +137,37 @@ def with_macroasperities(data: xr.Dataset, *, theory: Sequence[float], same: flo
     with one, that is none.
     """
     along = [["magnification"], ["magnification"]]
-    # That of the simulation is of the mean over the surfaces: the bend of a single one is noise.
-    bend = xr.apply_ufunc(
-        sharpest_bend, data.magnification, data.area, input_core_dims=along, vectorize=True
-    ).assign_attrs(reduction="bend", of="area")
-    for which, zeta in {"": bend, "_persson": ("load", list(theory))}.items():
-        data[f"macro_magnification{which}"] = zeta
-        places = data.magnification, data[f"area{which}_each"], data[f"macro_magnification{which}"]
-        there = xr.apply_ufunc(at_magnification, *places, input_core_dims=[*along, []], vectorize=True)
-        pressure = f"macro_pressure{which}"
-        data = data.assign({f"macro_area{which}_each": there.transpose("surface", "load")})
-        data = derive(data, **{f"{pressure}_each": f"reduced_pressure / macro_area{which}_each"})
+
+    def bend(area: xr.DataArray) -> xr.DataArray:
+        # Of the mean over the surfaces: the bend of a single one is noise.
+        places = data.magnification, area.mean("surface")
+        found: xr.DataArray = xr.apply_ufunc(sharpest_bend, *places, input_core_dims=along, vectorize=True)
+        return found
+
+    def there(area: xr.DataArray, zeta: xr.DataArray) -> xr.DataArray:
+        places = data.magnification, area, zeta
+        found: xr.DataArray = xr.apply_ufunc(
+            at_magnification, *places, input_core_dims=[*along, []], vectorize=True
+        )
+        return found.transpose("surface", "load")
+
+    area, load = data.area_each, data.reduced_pressure
+    data["macro_magnification"] = bend(area).assign_attrs(reduction="bend", of="area")
+    # Where it bends is an estimate, too, whose scatter is that of leaving surfaces out.
+    data["macro_area_each"] = jackknife(
+        lambda some: there(some, bend(some)).mean("surface", skipna=False), area
+    )
+    data["macro_pressure_each"] = jackknife(
+        lambda some: (load / there(some, bend(some))).mean("surface", skipna=False), area
+    )
+    data["macro_magnification_persson"] = ("load", list(theory))
+    data["macro_area_persson_each"] = there(data.area_persson_each, data.macro_magnification_persson)
+    data = derive(data, macro_pressure_persson_each="reduced_pressure / macro_area_persson_each")
+    for which in ("", "_persson"):
+        pressure, ratio = f"macro_pressure{which}", f"macro_pressure_ratio{which}"
         lightest = int(np.argmax(data[f"{pressure}_each"].notnull().all("surface").values))
-        ratio, shift = f"macro_pressure_ratio{which}", f"macro_pressure_shift{which}"
-        data = derive(data, **{f"{ratio}_each": f"{pressure}_each / {pressure}_each.isel(load={lightest})"})
+        shift, first = f"macro_pressure_shift{which}", f"{pressure}_each.isel(load={lightest})"
+        data = derive(data, **{f"{ratio}_each": ratio_of_means(f"{pressure}_each", first, "surface")})
         data = mean(data, f"macro_area{which}", pressure, ratio)
         data = derive(claim(data, f"macro_magnification{which}"), **{shift: f"({ratio} - 1) / {same}"})
     return data

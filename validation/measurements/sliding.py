@@ -7,12 +7,12 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from fem_contact.area import contact_areas
 from fem_contact.sliding import slide
 from fem_contact.viscoelastic import PronySolid, TabulatedSolid
 from persson.sliding import friction_of_waves
 from validation.arrays import Grid
 from validation.execution.measurement import Call, measurement
-from validation.measurements.flow import located_area
 from validation.measurements.theory import variant_areas, wave_powers
 from validation.scenes.problem import ContactProblem
 
@@ -20,8 +20,9 @@ Rubber = PronySolid | TabulatedSolid
 
 #: Shares g of the full energy that the theory's friction stores at vanishing contact, S = g + (1 - g) P^2.
 SHARES = {"full_energy": 1.0, "half_energy": 0.5}
-#: What is read off every solve: friction mu / h'_rms by the pressure on the slopes and by what the solid loses, A/A0 with
-#: the edge located inside the cells, the factor by which a plain step of the solver shrinks the error, and costs.
+#: What is read off every solve: friction mu / h'_rms by the pressure on the slopes and by what the solid loses, A/A0
+#: corrected at its edge, the factor by which a plain step of the solver shrinks the error, and costs. (Where it slides the
+#: pressure at the edge is not that by which a located edge is found.)
 QUANTITIES = ("friction", "dissipation", "area", "contraction", "steps", "fft_pairs", "residual")
 
 
@@ -29,8 +30,7 @@ QUANTITIES = ("friction", "dissipation", "area", "contraction", "steps", "fft_pa
     "slide-{size}",
     kind="SlideSolve",
     words="slide, to",
-    located=True,
-    version=1,
+    version=2,
     # Some three hundred pairs of transforms for each velocity and grid.
     seconds=lambda grids, velocities: len(velocities) * sum(0.03 + 1.2e-5 * nx * ny for nx, ny in grids),
     bytes=600,
@@ -53,23 +53,21 @@ def slides(
             start = contact.pressure
             friction = sliding.slopes / gradient, sliding.dissipation / gradient
             costs = contact.cost.iterations, contact.cost.fft_pairs, contact.residuals.worst
-            values[:, i, k] = *friction, located_area(contact), sliding.contraction, *costs
+            values[:, i, k] = *friction, contact_areas(contact).perimeter, sliding.contraction, *costs
     return xr.Dataset({name: (("grid", "velocity"), values[q]) for q, name in enumerate(QUANTITIES)})
 
 
 def slid_of(measured: xr.Dataset, solve: Call) -> xr.Dataset:
     """Reduce what one of `slides` left to (velocity) on its finest grid, with what each grid gave, and the theory's.
 
-    The drift of ``friction_each`` is its distance to ``friction_dissipated_each``, that of ``area_each``
-    its step from the grid before; ``_grid_each`` is over (grid, velocity).
+    Drifts are steps from the grid before; ``_grid_each`` is over (grid, velocity).
     """
     on_grids = {"friction": "friction", "friction_dissipated": "dissipation", "area": "area"}
     fine, before = (measured.isel(grid=k) for k in (-1, -2))
     numbers: dict[str, Any] = {f"{name}_grid_each": measured[of] for name, of in on_grids.items()}
-    numbers |= {f"{name}_each": fine[of] for name, of in on_grids.items()}
+    for name, of in on_grids.items():
+        numbers |= {f"{name}_each": fine[of], f"{name}_each_drift": fine[of] - before[of]}
     numbers |= {f"{name}_each": measured[name] for name in QUANTITIES[3:]}
-    numbers["friction_each_drift"] = fine.friction - fine.dissipation
-    numbers["area_each_drift"] = fine.area - before.area
     return xr.Dataset(numbers | _theory(solve["problem"], solve["rubber"], solve["velocities"]))
 
 

@@ -291,10 +291,9 @@ def ranking(form: str, ranked: Mapping[str, Value]) -> Finding:
         if last is not None:
             error = math.hypot(last.error or 0.0, value.error or 0.0)
             text += " < " if float(value.value) - float(last.value) > error else " = "
-        text += f"{name} {replace(value, sources='') if len(sources) == 1 else value}"
+        # The sentence says once of which sources all are.
+        text += f"{name} {replace(value, sources='') if len(order) > 1 == len(sources) else value}"
         last = value
-    if len(sources) == 1 and any(sources):
-        text += f" (95 %: {sources.pop()})"
     rows = tuple({"name": Value(value=name), "value": value} for name, value in order)
     return Finding(
         kind="ranking", form=form, values={"order": Value(value=text)}, item="{name} {value}", rows=rows

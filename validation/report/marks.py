@@ -185,7 +185,7 @@ def draw(figure: Figure, data: xr.Dataset, *, axes: Axes | Sequence[Axes] | None
             raise UsageError(f"ax = {axes!r}: give {count}, or leave it out")
         canvas = cast("Any", places[0].figure)
     for panel, on in zip(figure.panels, places, strict=True):
-        drawn += _draw_panel(panel, on, data)
+        drawn += _draw_panel(panel, on, data, {one.label: one.look for one in drawn if one.label})
     _align(figure.panels, list(places))
     images = [line for line in drawn if isinstance(line.mark, Image)]
     # Symmetric images have one scale of colours, and one bar for all panels.
@@ -255,12 +255,17 @@ def _align(panels: Sequence[Panel], places: Sequence[Axes]) -> None:
             on.yaxis.label.set_visible(on is places[0])
 
 
-def _draw_panel(panel: Panel, axes: Axes, data: xr.Dataset) -> list[Drawn]:
+def _draw_panel(
+    panel: Panel, axes: Axes, data: xr.Dataset, beside: Mapping[str, Mapping[str, Any]]
+) -> list[Drawn]:
     """Draw every place of every mark, then scales, names and limits of the axes.
 
     A mark's places along `by` have the colours of their numbers; other marks take the next colour, but for
-    bands and quantities that have a colour of their own.
+    bands and quantities that have a colour of their own. What is called as something in a panel `beside` has
+    its colour, and what is called otherwise another.
     """
+    from validation.report.figure import COLOURS
+
     part = data.isel(panel.at, missing_dims="ignore")
     places = [(mark, here, k) for mark in panel.marks for k, here in enumerate(_places(mark, part))]
     y = panel.y or panel.marks[0].y
@@ -269,6 +274,7 @@ def _draw_panel(panel: Panel, axes: Axes, data: xr.Dataset) -> list[Drawn]:
     scale_y = _scale(quantity(y), [here[m.y] for m, here, _ in places])
     colours = itertools.count()
     many = {id(mark) for mark, _, k in places if k}
+    taken, turns = {one["color"] for one in beside.values()}, dict[int, int]()
     drawn: list[Drawn] = []
     for mark, here, k in places:
         label = _label(mark, here, data)
@@ -277,7 +283,11 @@ def _draw_panel(panel: Panel, axes: Axes, data: xr.Dataset) -> list[Drawn]:
         # A band has the colour of the first line, which it is about.
         fixed = bool(quantity(mark.y).look) or isinstance(mark, Band)
         turn = k if mark.by else 0 if fixed else next(colours)
-        look = {**_look(mark, here, turn, several=id(mark) in many), **mark.look}
+        free = (k % 8 for k in range(turn, turn + 8) if COLOURS[k % 8] not in taken)
+        turns.setdefault(turn, next((k for k in free if k not in turns.values()), turn))
+        look = _look(mark, here, turns[turn], several=id(mark) in many)
+        look |= {name: beside[label][name] for name in ("color", "marker") if label in beside}
+        look |= mark.look
         if isinstance(mark, Image) and mark.symmetric:
             look["most"] = float(np.nanmax(abs(data[mark.y]))) * scale_y[0]
         if isinstance(mark, Line):
@@ -301,13 +311,21 @@ def _draw_panel(panel: Panel, axes: Axes, data: xr.Dataset) -> list[Drawn]:
     bottom = panel.bottom
     if "y" in panel.log and bottom is None and not isinstance(panel.marks[0], Image):
         # Bars that reach beyond zero have no lower end on a logarithmic axis.
-        shown = [np.ravel(other.data[other.mark.y].values) * scale_y[0] for other in drawn]
+        shown = [_drawn_heights(other, scale_y[0], log_x="x" in panel.log) for other in drawn]
         positive = [values[np.isfinite(values) & (values > 0)] for values in shown]
         bottom = min((values.min() / 1.5 for values in positive if values.size), default=None)
     axes.set_ylim(bottom=bottom, top=panel.top)
     if panel.right is not None:
         axes.set_xlim(right=panel.right)
     return drawn
+
+
+def _drawn_heights(one: Drawn, factor: float, *, log_x: bool) -> Any:
+    """Numbers of a mark along y; those of a line without what has no place on a logarithmic x."""
+    if not isinstance(one.mark, Line):
+        return np.ravel(one.data[one.mark.y].values) * factor
+    x, y = one.artist.lines[0].get_data(orig=False)
+    return y[np.asarray(x, dtype=float) > 0] if log_x else y
 
 
 def _few_whole(along: Sequence[xr.DataArray]) -> list[int]:
@@ -466,5 +484,6 @@ def _caption(text: str, drawn: Sequence[Drawn]) -> str:
     labels.pop("", None)
     if len(labels) < 2:
         return "".join([text, *(f" Bars: 95 % ({names})." for names in labels), cut])
-    parts = (f"{names} ({', '.join(dict.fromkeys(which))})" for names, which in labels.items())
+    named = {names: [*filter(None, dict.fromkeys(which))] for names, which in labels.items()}
+    parts = (f"{names} ({', '.join(which)})" for names, which in named.items() if which)
     return f"{text} Bars: 95 %, {'; '.join(parts)}.{cut}"

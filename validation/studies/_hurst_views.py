@@ -129,8 +129,8 @@ def _ladder_figures() -> tuple[Figure, ...]:
         ),
         Figure(
             "alpha-against-magnification",
-            "Slope alpha(zeta) of A = alpha F over that of Persson's theory as waves are added; black, published "
-            "for H = 0.8, as Persson (2006, Sec. 3.5) quotes them.",
+            "kappa over that of Persson's theory as waves are added; black, published slopes alpha(zeta) of A = alpha F "
+            "at light load for H = 0.8, as Persson (2006, Sec. 3.5) quotes them.",
             [against("bandwidth_rung", "kappa_ratio_by_bandwidth", *papers, by="ladder", log="x")],
         ),
     )
@@ -156,7 +156,7 @@ def _of_families(data: xr.Dataset) -> Iterator[Finding]:
         item = "{verdict}, {kappa_change:%}, at p* = {reduced_pressure} with {family}"
         none = {"0": "shows no trend beyond its interval"}
         yield finding("trend", form, data, item=item, by="kappa_change", words=none, **ends)
-    form = "Counted kappa is {each}; over H and load the limit spreads by {kappa_spread:%}, what counting spreads more is a "
+    form = "Counted kappa, in the mean over H and load, is {each}; over H and load the limit spreads by {kappa_spread:%}, what counting spreads more is a "
     form += "discretisation artefact."
     item = "{verdict} the limit, by {kappa_excess:%}, at lambda_short/dx = {points_per_wave} (spread {kappa_pixel_spread:%})"
     yield finding("comparison", form, data.isel(family=0, hurst=0), item=item, by="kappa_excess")
@@ -175,14 +175,15 @@ def _of_ladders(data: xr.Dataset) -> Iterator[Finding]:
         item, by = "{kappa_by_bandwidth_change:%} (H = {hurst_ladder})", "kappa_by_bandwidth_equal_change"
         yield finding("comparison", form, data, item=item, by=by, first=first, last=last)
     form = "As waves are added at p* = {reduced_pressure_ladder}, for which the budget has bandwidth and size, kappa {each}."
-    item = "{verdict} at H = {hurst_ladder}, limit {kappa_by_bandwidth_limit}, for an endless sample {kappa_by_size_limit}"
+    item = "{verdict} at H = {hurst_ladder}, limit {kappa_by_bandwidth_limit}; for an endless sample of the narrowest band "
+    item += "{kappa_by_size_limit}"
     outcomes = {"+": "falls", "-": "rises", "0": "shows no trend beyond its interval"}
     yield finding("trend", form, data, item=item, by="kappa_by_bandwidth_slope", words=outcomes)
     close = np.flatnonzero(np.isclose(data.hurst_ladder, _PUBLISHED))
     if close.size:
         last = data.isel(ladder=int(close[0]), bandwidth_rung=-1)
-        form = "At D_f = 2.2, zeta = {bandwidth_rung} and p* = {reduced_pressure_ladder} alpha is {kappa_ratio_by_bandwidth} of "
-        form += "Persson's; published, mostly for more waves: {each}."
+        form = "At D_f = 2.2, zeta = {bandwidth_rung} and p* = {reduced_pressure_ladder} kappa is {kappa_ratio_by_bandwidth} of "
+        form += "Persson's; published slopes at light load, mostly for more waves: {each}."
         item, by = "{kappa_ratio_published} ({paper_kappa_ratio}) {verdict}", "kappa_ratio_difference"
         outcomes = {"agree": "agrees within the interval", "differ": "lies outside the interval"}
         yield finding("agreement", form, last, item=item, by=by, words=outcomes)

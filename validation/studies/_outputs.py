@@ -77,9 +77,9 @@ def _cards(data: xr.Dataset, views: Views) -> Iterator[Card]:
         yield from (Card("The answer", finding) for finding in views.findings[:1])
         return
     what, places = quantity(name), [str(dim) for dim in data[name].dims]
-    along = [[place_words(data.isel({dim: k}), dim, data) for k in range(data.sizes[dim])] for dim in places]
-    known = [[place for place in words if place and "nan" not in place] for words in along]
-    where = ", ".join(" to ".join(dict.fromkeys((words[0], words[-1]))) for words in known if words)
+    ends = [data.isel(at(places)) for at in (data[name].argmin, data[name].argmax)] if places else []
+    words = [[place_words(end, dim, data) for dim in places] for end in ends]
+    where = " to ".join(dict.fromkeys(", ".join(w for w in one if w and "nan" not in w) for one in words))
     answer = _range(data[name], lambda value: in_prefixed_unit(value, what.unit))
     yield Card(f"{what.meaning}, {what.symbol}", answer, where)
     half = total_error(data, name)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from itertools import cycle
 
 import numpy as np
 import xarray as xr
@@ -56,8 +57,15 @@ def _on_grids(data: xr.Dataset, first: int) -> Iterator[Figure]:
     panels = [against(waves, *sizes, log="xy")]
     if "other" in data.dims:
         lines = [
-            Line(f"distance_other_{name}_size", where={"method_other": method}, label=f"{method}, {how}")
-            for method in data.other.values
+            Line(
+                f"distance_other_{name}_size",
+                where={"method_other": method},
+                label=f"{method}, {how}",
+                look={"color": colour},
+            )
+            for method, colour in zip(
+                data.other.values, cycle(("#0b5394", "#b45f06", "#38761d")), strict=False
+            )
             for name, how in (("pixel", "counted"), ("perimeter", "corrected"))
         ]
         panels.append(against("points_per_wave_other", *lines, log="xy"))

@@ -209,7 +209,7 @@ def _findings(data: xr.Dataset, ends: list[int]) -> Iterator[Finding]:
     )
     yield finding(
         "comparison",
-        "Solved with w, A/A0 is {each}.",
+        "Solved with w over a finite range, A/A0 is {each}.",
         full_work.isel(magnification=ends),
         item=gain + " {area_improved:~} ({area_gain_improved:~} times; {area_old:~} by Eq. 43)",
         by="area_excess",
@@ -247,6 +247,6 @@ def _findings(data: xr.Dataset, ends: list[int]) -> Iterator[Finding]:
     form = "The theory knows no range: with half of it (zeta = {magnification}, first surface) A/A0 is {area_half_range} for "
     form += "{area_each}, and F/F_load {force_inside_half_range} for {force_inside_each}."
     yield finding("value", form, full_work.isel(surface=0, magnification=1))
-    form = "Parted from full contact instead of approached, A/A0 is larger by up to {area_parted_excess_largest}: the energy "
-    form += "has several minima, of which the theory has one."
+    form = "Parted from full contact instead of approached, A/A0 of a single surface is larger by up to "
+    form += "{area_parted_excess_largest}: its energy has several minima, of which the theory has one."
     yield finding("value", form, data)

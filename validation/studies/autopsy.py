@@ -18,7 +18,7 @@ from pydantic import AfterValidator, Field, model_validator
 from validation.execution.bench import Bench
 from validation.measurements.budgets import PROFILE_EDGES
 from validation.measurements.common import Resolved, Rising, RisingSeveral, base_case
-from validation.measurements.diffusion import budgets_of, of_probe, with_diffusion_terms
+from validation.measurements.diffusion import HALF, budgets_of, of_probe, with_diffusion_terms
 from validation.measurements.edge import slopes_of
 from validation.measurements.limits import ABSENT
 from validation.measurements.measurement import even_points
@@ -197,15 +197,19 @@ def views(data: xr.Dataset) -> Views:
     )
 
 
+_WHERE = "at H = {hurst} and p* = {reduced_pressure}"
+#: What p* is of there: a surface that is cut is pressed by its own gradient.
+_CUT = "p* in the gradient of the waves up to there"
+
 _CAPTIONS = {
     "budget": "Where d<p^2>/(A dV) comes from by octave, largest H: Persson's theory has diffusion alone, 1.",
     "restarts": "Contact area over Persson's; dashed, where absorbing diffusion goes from the true P(p), largest H.",
-    "drift-and-diffusivity": "Diffusivity and drift of points in contact by their pressure: the theory has 1 and 0.",
-    "fluxes": "Area that a ring takes out of contact, what it brings back over that, and the net, against its step.",
+    "drift-and-diffusivity": "Diffusivity and drift of points in contact by their pressure, largest H, p* near 0.05: the theory "
+    "has 1 and 0.",
+    "fluxes": "Area that a ring takes out of contact, what it brings back over that, and the net, against its step, largest "
+    f"H and zeta, {_CUT}.",
     "memory": "Chance that a ring brings a point back into contact: without memory it would be one number.",
 }
-
-_WHERE = "at H = {hurst} and p* = {reduced_pressure}"
 
 
 def _findings(data: xr.Dataset) -> Iterator[Finding]:
@@ -225,23 +229,24 @@ def _findings(data: xr.Dataset) -> Iterator[Finding]:
     yield finding("value", form, data, item=item)
     yield finding(
         "equivalence",
-        "As the step vanishes ({place}), the area that leaves contact goes with these powers of Delta V: {each}. With "
-        "less than 1 no flow over p = 0 has a value without its step.",
+        f"As the step vanishes ({{place}}, {_CUT}), the area that leaves contact goes with Delta V to a power, "
+        f"1/2 if within {HALF} of it: {{each}}. With less than 1 no flow over p = 0 has a value without its step.",
         probed,
-        item=f"{{power_limit}} {_WHERE} ({{verdict}})",
+        item=f"{{verdict}}, {{power_limit}} {_WHERE}",
         by="power_excess",
         words={"within": "1/2", "beyond": "not 1/2", "undecided": "1/2 or not: not decided"},
     )
-    form = "Eq. 26 with the true slope of P(p) at zero ({place}) has for the loss of area -d ln A/d ln V: {each}."
+    form = f"Eq. 26 with the true slope of P(p) at zero ({{place}}, {_CUT}) has for the loss of area -d ln A/d ln V: {{each}}."
     item = f"{{edge_loss_slope}}, {{verdict}} the true {{edge_loss}}, {_WHERE} (P'(0) is {{slope_ratio}} times Persson's)"
     yield finding("comparison", form, probed, item=item, by="edge_loss_excess")
     yield finding(
         "comparison",
-        "Over half an octave, diffusion started from the true P(p) at zeta = {octave_start} loses area {each}.",
+        "Over half an octave, diffusion started from the true P(p) at zeta = {octave_start} loses over the area that the "
+        "truth loses: {each}.",
         derive(data.isel(octave=nearest(data.octave_start, 4.0)), loss_excess="loss_ratio - 1"),
-        item=f"{{loss_ratio}} times as fast as the truth {_WHERE} ({{verdict}})",
+        item=f"{{loss_ratio}} {_WHERE} ({{verdict}})",
         by="loss_excess",
-        words={"+": "faster", "-": "slower", "0": "statistically indistinguishable"},
+        words={"+": "faster", "-": "slower", "0": "statistically indistinguishable", "?": "nothing is lost"},
     )
     form = "The laws of single rings compose to an inflow over two rings, over the contact area, of {each}."
     item = f"{{inflow_share_composed:~}}, {{verdict}} the true {{inflow_share:~}}, {_WHERE}"

@@ -25,7 +25,7 @@ from validation.studies import pressure
 from validation.studies._options import Shifts, Surfaces
 from validation.studies.pressure import AGREEMENT, design, measured_path
 from validation.theories.persson_variants import persson_readings
-from validation.theories.predicted import beside, distances, ranked
+from validation.theories.predicted import NEARLY_FULL, beside, distances, ranked
 
 #: How far the loads of the check are apart, relative.
 _NEAR = 1e-3
@@ -137,7 +137,7 @@ def views(data: xr.Dataset) -> Views:
 def _findings(data: xr.Dataset) -> Iterator[Finding]:
     for name in _COMPARED:
         yield ranking(
-            f"{pressure.TITLES[name]}, mean distance of simulated over predicted values from 1 below full contact: {{order}}.",
+            f"{pressure.TITLES[name]}, mean |ln| of simulated over predicted values where A/A0 < {NEARLY_FULL}: {{order}}.",
             ranked(data, name),
         )
     partly = data.isel(load=np.flatnonzero(data.gap_first.values > 0))

@@ -17,7 +17,7 @@ from validation.measurements.distributions import largest_difference
 from validation.measurements.load_path import SHARES, moved_shares, pooled_shares, reduced_path
 from validation.measurements.measurement import TOLERANCE, press_on_grids
 from validation.measurements.theory import RANKED, modes_finding
-from validation.report.estimates import change, derive, mean
+from validation.report.estimates import change, derive, mean, ratio_of_means
 from validation.report.values import value_of
 from validation.report.views import Column, Figure, Finding, Level, Line, Table, Views, against, finding
 from validation.studies._options import Shifts
@@ -88,9 +88,14 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     light = np.flatnonzero(data.area.values < _LIGHT)
     if light.size > 1:
         data = derive(data, kappa_each="area_each / reduced_pressure")
-        for name in ("kappa", "area", "patches", "patch_size"):
-            data = change(data, name, along="load", first=int(light[0]), last=int(light[-1]))
-            data = mean(data, f"{name}_change")
+        first, last = int(light[0]), int(light[-1])
+        for name in ("kappa", "area"):
+            data = change(data, name, along="load", first=first, last=last)
+        for name in ("patches", "patch_size"):  # of which one surface may have few
+            end, start = (f"{name}_each.isel(load={k})" for k in (last, first))
+            ratio = ratio_of_means(end, start, "surface")
+            data = derive(data, **{f"{name}_change_each": f"{ratio} - 1"})
+        data = mean(data, *(f"{name}_change" for name in ("kappa", "area", "patches", "patch_size")))
         data.attrs |= {"light": light[[0, -1]]}
     data = pooled_shares(moved_shares(data)).assign_attrs(methods=RANKED)
     shares = stress_shares(theories[0], options.first, options.reduced_pressures)

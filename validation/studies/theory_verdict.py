@@ -24,7 +24,7 @@ from validation.scenes.tables import Load
 from validation.studies import pressure, stress_near_zero
 from validation.theories import Rough, Theory, find_theory
 from validation.theories.persson_variants import Persson, persson_variants
-from validation.theories.predicted import COMPARED, beside, distances, ranked, stress_shares
+from validation.theories.predicted import COMPARED, NEARLY_FULL, beside, distances, ranked, stress_shares
 from validation.units import Positive
 
 
@@ -120,10 +120,8 @@ def edge_scores(edge: xr.Dataset, theories: tuple[Theory, ...], rough: Rough) ->
 def views(data: xr.Dataset) -> Views:
     """Show simulated over predicted values of every theory."""
     columns = ("theory", "reduced_pressure", "area", *(f"{name}_over" for name in COMPARED))
-    if "edge_pressure" in data:
-        columns = (*columns, "initial_slope_over")
     panels = [
-        against("area", *pressure.by_theory("_over", data, name), pressure.AGREEMENT, log="x")
+        against("area", *pressure.by_theory("_over", data, name), pressure.AGREEMENT, log="xy")
         for name in COMPARED
     ]
     return Views(
@@ -144,7 +142,7 @@ def views(data: xr.Dataset) -> Views:
 def _findings(data: xr.Dataset) -> Iterator[Finding]:
     for name in COMPARED:
         yield ranking(
-            f"{pressure.TITLES[name]}, mean distance of simulated over predicted values from 1 below full contact, at "
+            f"{pressure.TITLES[name]}, mean |ln| of simulated over predicted values where A/A0 < {NEARLY_FULL}, at "
             f"lambda_long/lambda_short = {data.attrs['bandwidth']:.4g}: {{order}}.",
             ranked(data, name),
         )

@@ -24,8 +24,8 @@ _STEP = 0.01
 _POINTS = 8
 #: What is compared as a ratio.
 COMPARED = ("area", "gap", "compliance", "energy_ratio")
-#: A gap smaller than this, over h_rms, is closed; contact is full from this area on.
-_CLOSED, _FULL = 1e-9, 0.99
+#: A gap smaller than this, over h_rms, is closed; contact is nearly full from this area on.
+_CLOSED, NEARLY_FULL = 1e-9, 0.9
 
 
 def predictions(
@@ -115,16 +115,18 @@ def beside(data: xr.Dataset, theories: Sequence[Theory], pressed: Sequence[Conta
 
 
 def distances(data: xr.Dataset) -> xr.Dataset:
-    """Add ``_off`` (theory): mean distance from 1 of simulated over predicted values, below full contact.
+    """Add ``_off`` (theory): mean of abs ln of simulated over predicted values, below nearly full contact.
 
-    NaN for a theory that does not reach all of these loads. The errors at all loads are those of the same
-    surfaces and grids: they are averaged as they are and do not shrink.
+    From there on little is left of gap and compliance, and what theories miss of them has no bound. NaN for a
+    theory that does not reach all of these loads. The errors at all loads are those of the same surfaces and
+    grids: they are averaged as they are and do not shrink.
     """
-    partly = data.isel(load=np.flatnonzero(data.area.values < _FULL))
+    partly = data.isel(load=np.flatnonzero(data.area.values < NEARLY_FULL))
     for name in COMPARED:
-        off = abs(partly[f"{name}_over"] - 1).mean("load", skipna=False)
-        made = {"reduction": "mean distance", "of": f"{name}_over", "below": _FULL}
-        error = partly[f"{name}_over_error"].mean("load", skipna=False)
+        over = partly[f"{name}_over"]
+        off = over.copy(data=abs(np.log(over.values))).mean("load", skipna=False)
+        made = {"reduction": "mean distance", "of": f"{name}_over", "below": NEARLY_FULL}
+        error = (partly[f"{name}_over_error"] / over).mean("load", skipna=False)
         data[f"{name}_off"], data[f"{name}_off_error"] = off.drop_attrs().assign_attrs(made), error
     return data
 
