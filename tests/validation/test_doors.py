@@ -281,7 +281,6 @@ def test_persson_s_theory_entered_as_the_user_s_own_is_his(tmp_path, monkeypatch
     options = theory_verdict.Options(
         reduced_pressures=(0.02, 0.1),
         ladder_reduced_pressures=(),
-        edge=False,
         theory=("copied_theory",),
         periods=2.0,
         bandwidth=2.0,

@@ -319,7 +319,7 @@ def scored():
         own = THREE[solve["problem"].realisation]
         return measurement(solve, lambda p: 1.4 * float(persson_area(p)) * own)
 
-    asked = {"reduced_pressures": (0.02, 0.1, 0.2), "ladder_reduced_pressures": (), "edge": False}
+    asked = {"reduced_pressures": (0.02, 0.1, 0.2), "ladder_reduced_pressures": ()}
     return made_of(theory_verdict, answer, surfaces=3, shifts=2, **asked, **SMALL)
 
 

@@ -249,7 +249,6 @@ def test_the_verdict_on_the_theory_over_one_measured_map_claims_no_scatter(scene
     data = theory_verdict.run(options, bench=bench)
     assert np.isfinite(data.area_over.sel(theory="Persson")).all()
     assert np.isnan(data.area_over_error.sel(source="surfaces")).all()
-    assert "edge_pressure" not in data
     assert theory_verdict.views(data).findings
 
 

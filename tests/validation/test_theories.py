@@ -93,7 +93,6 @@ def test_a_user_s_own_area_is_scored_beside_the_theory(tmp_path, monkeypatch):
     options = theory_verdict.Options(
         reduced_pressures=(0.02, 0.1),
         ladder_reduced_pressures=(),
-        edge=False,
         theory=("my_theory:area", "my_theory:half", "carbone-bottiglione"),
         **SMALL,
     )

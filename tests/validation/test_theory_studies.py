@@ -3,18 +3,15 @@
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
-from planted import decided, edge_data
+from planted import decided
 
 from validation.errors import UsageError
 from validation.execution.outputs import show
 from validation.execution.results import write_results
-from validation.measurements.common import base_case, base_surface, persson_area
+from validation.measurements.common import persson_area
 from validation.measurements.load_path import moved_shares
 from validation.studies import find_study, hurst, magnification, pressure, theory_verdict
 from validation.studies._outputs import study_page
-from validation.theories import Rough
-from validation.theories.asperities import BushGibsonThomas
-from validation.theories.persson_variants import persson_variants
 from validation.theories.predicted import COMPARED
 
 
@@ -52,23 +49,6 @@ def test_magnification_ends_at_the_theory_of_the_whole_surface(numbers):
     area, theory = data.area_each.isel(load=0), data.area_persson_each.isel(load=0, magnification=-1)
     assert_allclose(theory, persson_area(0.05), rtol=1e-9)
     assert np.all(area.isel(magnification=0) > area.isel(magnification=-1))
-
-
-def test_the_slope_at_zero_is_scored_against_every_variant():
-    """P = 2 sigma at p* = .05, in windows that close like sqrt(dx)."""
-    each = 2.0 * np.linspace(0.9, 1.1, 4)[:, None]
-    root = np.sqrt(1 / np.array([16.0, 32.0, 64.0, 128.0]))
-    edge = edge_data(density=each * 0.4 * root / 2, slope=each, contour=each).isel(method=0)
-    surface = base_surface(hurst=0.8, periods=1.6, bandwidth=2.5, seed=61)
-    rough = Rough.of(base_case(surface, reduced_pressure=0.05))
-    theories = (*persson_variants(), BushGibsonThomas())
-    scores = theory_verdict.edge_scores(edge, theories, rough)
-    # Persson's closed form, 2 p exp(-p^2 / 2V) / (V sqrt(2 pi V)) with V = 1/4.
-    persson = 8 * 0.05 * np.exp(-2 * 0.05**2) / np.sqrt(np.pi / 2)
-    assert float(scores.initial_slope_over[0]) == pytest.approx(2.0 / persson, rel=1e-9)
-    # A variant that stores less energy has a smaller variance, and so a steeper start.
-    assert np.all(scores.initial_slope_over[1:4] < scores.initial_slope_over[0])
-    assert np.isnan(scores.initial_slope_over[4])
 
 
 @pytest.fixture(scope="module")

@@ -124,8 +124,8 @@ def _findings(data: xr.Dataset) -> Iterator[Finding]:
     last = data.isel(bandwidth=-1)
     yield finding(
         "comparison",
-        "Along an axis the threshold {each} (located area, all spectra, common phases). Persson (2006, Sec. 3.6) has {paper}, "
-        "Dapp et al. (2012) .42.",
+        "Along an axis the threshold {each} (located area, all spectra, common phases; where the contact joins up along one axis, "
+        "it closes the gap along the other, but for single cells). Persson (2006, Sec. 3.6) has {paper}, Dapp et al. (2012) .42.",
         data,
         item="of the {phase} is A/A0 = {percolation_area_pooled}, {verdict} the paper's",
         by="percolation_area_excess",

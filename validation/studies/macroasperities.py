@@ -217,7 +217,8 @@ def _macroasperities(data: xr.Dataset, which: str, of: str) -> Finding:
 def _findings(data: xr.Dataset) -> Iterator[Finding]:
     roll_off = data.isel(magnification=nearest(data.magnification, 1.0))
     if "percolation_area" in data:
-        form = "As waves are added the contact comes apart and the gap opens along an axis at these areas A/A0: {each}."
+        form = "As waves are added the contact comes apart and the gap opens (the same event along the other axis, but for "
+        form += "single cells) at these areas A/A0: {each}."
         item = "{phase} {percolation_area_pooled} ({verdict} the {percolation_area_paper} of the paper)"
         yield finding("comparison", form, data, item=item, by="percolation_area_excess")
     yield _macroasperities(data, "", "the simulation")

@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from persson import elastic
 from validation.execution.bench import Bench
 from validation.measurements.convergence import Ladders, spectral_errors
 from validation.measurements.distributions import largest_difference
@@ -17,13 +16,12 @@ from validation.measurements.limits import solved, solver_error
 from validation.measurements.load_path import moved_shares
 from validation.measurements.measurement import grids_for, press_on_grids
 from validation.measurements.theory import RANKED, modes_finding
-from validation.report.estimates import claim_shares, derive
-from validation.report.values import value_of
-from validation.report.views import Figure, Finding, Table, Views, against, finding, ranking
+from validation.report.estimates import claim_shares
+from validation.report.views import Figure, Finding, Table, Views, against, ranking
 from validation.scenes.tables import Load
-from validation.studies import pressure, stress_near_zero
-from validation.theories import Rough, Theory, find_theory
-from validation.theories.persson_variants import Persson, persson_variants
+from validation.studies import pressure
+from validation.theories import find_theory
+from validation.theories.persson_variants import persson_variants
 from validation.theories.predicted import COMPARED, NEARLY_FULL, beside, distances, ranked, stress_shares
 from validation.units import Positive
 
@@ -31,7 +29,7 @@ from validation.units import Positive
 class Options(pressure.Options):
     """Those of the study `pressure`, and what else is scored."""
 
-    off = ("ladder_reduced_pressures", "edge")
+    off = ("ladder_reduced_pressures",)
 
     ladder_reduced_pressures: tuple[Positive, ...] = (0.05, 0.4)
     """p* at which it is measured how the area moves with bandwidth and sample, for the budget; none to
@@ -39,14 +37,10 @@ class Options(pressure.Options):
     theory: tuple[str, ...] = ()
     """further theories: bush-gibson-thomas, carbone-bottiglione, greenwood-williamson, or your own,
     my_module:area"""
-    edge: bool = True
-    """also score P(sigma) at vanishing pressure, on the cases of `stress-near-zero`"""
 
 
 def run(options: Options, *, bench: Bench) -> xr.Dataset:
-    """Score the theory and its variants on the cases of the studies `pressure` and `stress-near-zero`.
-
-    The cases run in stages, study by study: a dry run lists those of the first.
+    """Score the theory and its variants on the cases of the study `pressure`.
 
     That of `pressure.measured_path` beside the theories: simulated over predicted values, told the realised
     surfaces, over (theory, load), their mean distances from 1, and ``stress_distance`` of P(sigma).
@@ -62,10 +56,6 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     distant = [largest_difference(pooled, shares) for shares in predicted]
     made = {"reduction": "distance", "of": "stress_share_each"}
     data = moved_shares(data).assign(stress_distance=(("theory", "load"), np.array(distant), made))
-    if options.edge:
-        small = stress_near_zero.Options(hurst=options.hurst, periods=options.periods, seed=options.seed)
-        edge = stress_near_zero.run(small, bench=bench).isel(method=0, drop=True)
-        data = data.merge(edge_scores(edge, theories, Rough.of(small.first)), combine_attrs="override")
     return data.assign_attrs(methods=RANKED)
 
 
@@ -100,23 +90,6 @@ def _spectral_shares(options: Options, bench: Bench) -> dict[str, xr.DataArray]:
     }
 
 
-def edge_scores(edge: xr.Dataset, theories: tuple[Theory, ...], rough: Rough) -> xr.Dataset:
-    """P(0+), and the slope of P(sigma) at zero over that of the theories that have one, (theory)."""
-    load = float(edge.reduced_pressure)
-    unit = rough.contact_modulus * rough.moments.rms_gradient
-    slopes = [
-        elastic.initial_slope(load, stress_variance=theory.stress_variance(load * unit, rough) / unit**2)
-        if isinstance(theory, Persson)
-        else np.nan
-        for theory in theories
-    ]
-    names = [f"{name}{end}" for name in ("initial_density", "initial_slope_window") for end in ("", "_error")]
-    values = edge[names].drop_vars("reduced_pressure", errors="ignore")
-    values = values.assign(edge_pressure=load, initial_slope_predicted=("theory", np.array(slopes)))
-    values = values.assign_coords(theory=[theory.label for theory in theories])
-    return derive(values, initial_slope_over="initial_slope_window / initial_slope_predicted")
-
-
 def views(data: xr.Dataset) -> Views:
     """Show simulated over predicted values of every theory."""
     columns = ("theory", "reduced_pressure", "area", *(f"{name}_over" for name in COMPARED))
@@ -147,12 +120,3 @@ def _findings(data: xr.Dataset) -> Iterator[Finding]:
             ranked(data, name),
         )
     yield modes_finding(data)
-    if "edge_pressure" in data:
-        yield finding(
-            "comparison",
-            "At p* = {edge_pressure} on another bandwidth (study stress-near-zero) P(sigma) starts from {initial_density}, "
-            "{verdict} zero, over E* h'_rms, with a slope that is {slope} of Persson's.",
-            data,
-            by="initial_density",
-            slope=value_of(data.isel(theory=0), "initial_slope_over"),
-        )

@@ -253,7 +253,7 @@ STUDIES: dict[str, dict[str, object]] = {
         "bandwidth": 2.5,
         "seed": 61,
     },
-    "theory-verdict": {**_LOADED, "edge": False, "ladder_reduced_pressures": ()},
+    "theory-verdict": {**_LOADED, "ladder_reduced_pressures": ()},
     # Its ladders are those of `refinement`.
     "theory-verdict with ladders": {
         **_ROUGH,
