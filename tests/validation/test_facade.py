@@ -84,6 +84,9 @@ def test_a_surface_knows_its_size_in_numbers_and_pictures():
     assert peaks["kurtosis"].value == pytest.approx(1 / (1 / 16 * 15 / 16) - 3)  # of shares 1/16 and 15/16
     assert list(misdrawn(drawn, drawn.data)) == []
     assert float(drawn.data.heights.std()) == pytest.approx(exact, rel=0.01)
+    # A map as it is, waves on eight points each.
+    assert wave.plot().data.heights.shape == (32, 32)
+    assert drawn.data.heights.shape == (64, 64)
 
 
 @pytest.mark.parametrize("what", ["pressure", "gap", "distribution", "grids"])

@@ -1,6 +1,7 @@
 """What the studies conclude with: limits of ladders, budgets, the theory in two modes, verdicts."""
 
 from dataclasses import replace
+from functools import partial
 from types import SimpleNamespace
 
 import numpy as np
@@ -70,7 +71,9 @@ def test_a_limit_far_beyond_the_rungs_is_not_determinable():
     pair = np.broadcast_to([2.0, 2.1], (3, 4, 2))
     data = xr.Dataset({"kappa_each": (("ladder", "rung", "surface"), pair)})
     data["step"] = xr.DataArray(steps, dims="rung") ** orders
-    found = line(data, "kappa", x="step", along="rung", common=True, drift="bandwidth")
+    found = line(
+        data, "kappa", x="step", along="rung", over="surface", common=True, pairs=False, drift="bandwidth"
+    )
     assert np.isfinite(found.kappa_limit).values.tolist() == [True, False, False]
     assert np.isfinite(found.kappa_line).all("end").values.tolist() == [True, False, False]
 
@@ -82,7 +85,8 @@ def test_a_line_takes_as_many_samples_of_each_group_as_were_solved():
     solve = np.where(np.isnan(values), "", "a")
     data = xr.Dataset({"kappa_each": (("rung", "surface"), values), "solve": (("rung", "surface"), solve)})
     data = data.assign(step=("rung", steps))
-    found = line(data, "kappa", x="step", along="rung", drift="grid")
+    fit = partial(line, x="step", along="rung", over="surface", common=False, pairs=False, drift="grid")
+    found = fit(data, "kappa")
     exact = fitted_line([row[:n] for row, n in zip(values, counts, strict=True)], steps)
     assert float(found.kappa_limit) == exact.limit
     # The second implementation weighs each group by its own count, too.
@@ -92,7 +96,7 @@ def test_a_line_takes_as_many_samples_of_each_group_as_were_solved():
     assert float(found.kappa_limit_error.sel(source="surfaces")) == exact.limit_scatter
     # One that was solved and has no value is no sample less: there is no limit.
     data.kappa_each[1, 2] = np.nan
-    assert np.isnan(line(data, "kappa", x="step", along="rung", drift="grid").kappa_limit)
+    assert np.isnan(fit(data, "kappa").kappa_limit)
 
 
 def test_systematic_drift_of_the_grids_does_not_average_out_over_surfaces(measured):

@@ -119,9 +119,9 @@ def line(
     *,
     x: str,
     along: str,
-    over: str = "surface",
-    common: bool = False,
-    pairs: bool = False,
+    over: str,
+    common: bool,
+    pairs: bool,
     drift: str,
 ) -> xr.Dataset:
     """Add the line through means, ``x_each`` against a variable that goes to zero: its limit and slope with intervals.

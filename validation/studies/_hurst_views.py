@@ -65,8 +65,9 @@ def _of_solvers_against_hurst(data: xr.Dataset) -> Iterator[Figure]:
     look, label = {"mfc": "white", "ls": ":"}, "boundary elements, {family}"
     wide = [Line("kappa", by="family", at={"load": int(k)}, look=look, label=label) for k in same]
     caption = f"kappa against the Hurst exponent at p* = {reduced_pressure:g}, limits over the grids of each solver on the same "
-    caption += f"surfaces of bandwidth {float(data.bandwidth_by_solver):g}; Persson's theory"
-    caption += f"{'; published values' * ('kappa_published' in data)}."
+    caption += (
+        f"surfaces of bandwidth {float(data.bandwidth_by_solver):g}; Persson's theory; published values."
+    )
     persson = Level("kappa_persson_by_solver", label="Persson")
     panel = against("hurst", "kappa_by_solver", *wide, persson, _LITERATURE, by="solver", bottom=1.5)
     yield Figure("kappa-of-solvers", caption, [panel])
@@ -84,7 +85,7 @@ def _against_hurst(data: xr.Dataset) -> Figure:
     return Figure(
         "kappa-against-hurst",
         "kappa against the Hurst exponent at each load: the limit over grids, points counted on the coarsest "
-        f"grid, and Persson's theory{'; black, published values (light load)' * ('kappa_published' in data)}.",
+        "grid, and Persson's theory; black, published values (light load).",
         [
             replace(panel, marks=(*marks, _LITERATURE)) if float(mean_area) < _LIGHT else panel
             for panel, mean_area in zip(panels, area, strict=True)

@@ -83,8 +83,6 @@ class Options(StudyOptions):
     """grids of the ladders, as lambda_short/dx, rising"""
     ladder_reduced_pressure: ReducedPressure = 0.05
     seed: Seed = 2006
-    literature: bool = True
-    """draw published values of kappa, too"""
 
     @property
     def spectra(self) -> dict[tuple[str, float], float]:
@@ -172,11 +170,9 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
         data = data.merge(ladders_beside_published(climbed), combine_attrs="override")
         spectral = spectral_errors(data, hurst=data.hurst, bandwidth=data.bandwidth, periods=options.periods)
         data = claim_shares(data, "kappa", **spectral)
-    data = data.assign(kappa_bgt=KAPPA_BGT, kappa_persson_light=KAPPA_PERSSON)
-    data = data.merge(published("kappa")) if options.literature else data
+    data = data.assign(kappa_bgt=KAPPA_BGT, kappa_persson_light=KAPPA_PERSSON).merge(published("kappa"))
     cited = dict.fromkeys(chosen_solver(name)[0].name for name in options.others)
-    papers = papers_of(*(["kappa"] if options.literature else []), "kappa_ratio")
-    methods = " ".join([RANKED, *cited, papers])
+    methods = " ".join([RANKED, *cited, papers_of("kappa", "kappa_ratio")])
     return data.assign_attrs(methods=methods, periods=options.periods)
 
 
