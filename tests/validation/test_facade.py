@@ -295,7 +295,7 @@ loaded = partial(pressed, pressure=1e6)
         (lambda: fem_contact.study("area", bench=3), "bench = 3: give a folder"),
         (lambda: fem_contact.study.findings(3), "no such study; one of: "),
         (lambda: fem_contact.reference(**NODE, gradient=np.ones(2)), "must be 'surface' or 'spectrum'"),
-        (lambda: fem_contact.reference(**{**NODE, "bandwidth": "8"}), "bandwidth = '8': must be one finite"),
+        (lambda: fem_contact.reference(0.8, "8", 0.05), "bandwidth = '8': must be one finite"),
         (lambda: CONTACT.limit(np.ones(2)), r"give several, as \[32, 48, 64\]"),
         (lambda: loaded(grids=64), r"grids = 64: give several, as \[32"),
         (lambda: loaded(grids=[64, 96], grid=64), "give one of them"),

@@ -50,10 +50,10 @@ def _shipped(name: str) -> xr.Dataset:
 
 
 def lookup(
-    *,
     hurst: float,
     bandwidth: float,
     reduced_pressure: float,
+    *,
     amplitudes: str = "exact",
     gradient: str = "surface",
     rolloff: str = "sharp",
