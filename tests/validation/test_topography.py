@@ -685,6 +685,10 @@ def test_faults_of_a_map_and_of_other_tables_come_at_once(sweep, tmp_path):
     places = [str(caught.value).index(each) for each in words]
     assert places == sorted(places)
     assert str(caught.value).endswith('tilt = "plane"')
+    treated = table + 'tilt = "plane"\nedges = "tukey"\n'
+    with pytest.raises(UsageError, match="surface.length: missing") as caught:
+        scene_in(tmp_path, treated + REST + sweep)
+    assert "cannot be pressed as it is" not in str(caught.value)
 
 
 @pytest.mark.parametrize(

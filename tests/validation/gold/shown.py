@@ -28,6 +28,7 @@ NUMBER = re.compile(r"(?<![\w.])[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?(?![\w])")
 def shown_on(name, page):
     """Say it of a page: its head, and a line without wording for each table, sentence and mark."""
     lines = [_bare(page.lead), f"seeds: {page.seeds}"]
+    lines.append(f"cites: {'; '.join(paper.partition(',')[0] for paper in page.papers)}")
     lines += [_bare(f"{card.question} {card.answer}; {card.basis}") for card in steady_answers(name, page)]
     for file, table in page.summary["tables"].items():
         columns = [f"{c['name']}{c['at'] or ''}" for c in table.get("columns", ())] or table["names"]
