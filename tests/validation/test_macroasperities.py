@@ -100,9 +100,8 @@ def test_macroasperities_are_where_ln_a_bends_most_and_their_pressure_is_that_of
     zeta = float(data.macro_magnification[1])
     assert zeta == pytest.approx(sharpest_bend(np.array(ZETA), data.area[1].values), nan_ok=True)
     for which in ("", "_persson"):
-        area = data[f"macro_area{which}_each"]
-        pressure = data.reduced_pressure / area
-        xr.testing.assert_allclose(data[f"macro_pressure{which}_each"], pressure.transpose(*area.dims))
+        pressure = data.reduced_pressure / data[f"macro_area{which}_each"].mean("surface", skipna=False)
+        xr.testing.assert_allclose(data[f"macro_pressure{which}"].drop_attrs(), pressure)
     assert at_magnification(np.array([1.0, 4.0]), np.array([0.4, 0.1]), 2.0) == pytest.approx(0.2)
 
 

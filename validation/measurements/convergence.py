@@ -316,22 +316,15 @@ class Ladders:
         data = mean(data, kappa, f"nayak_{kind}", over=over, pairs=True)
         at = {"x": f"step_{kind}", "along": rung, "over": over}
         data = line(data, kappa, **at, common=common, pairs=True, drift=source)
-        if common:
-            steps = (
-                data[f"step_{kind}"] ** 0.5
-            )  # of half the order; groups of the same surfaces have equal weights
-            slower = line(
-                data.assign({f"step_{kind}": steps}), kappa, **at, common=True, pairs=True, drift=source
-            )
-            other = data[kappa].mean(rung) - slower[f"{kappa}_slope"] * steps.mean(rung)
-            doubt = (xr.ones_like(data.source, float) * (other - data[f"{kappa}_limit"])).where(
-                data.source == source, 0.0
-            )
-            error = data[f"{kappa}_limit_error"]
-            data[f"{kappa}_limit_error"] = (
-                np.hypot(error, doubt).transpose(*error.dims).assign_attrs(error.attrs)
-            )
-        return data
+        if not common:
+            return data
+        # What half the order would say; groups of the same surfaces have equal weights.
+        steps = data[at["x"]] ** 0.5
+        slower = line(data.assign({at["x"]: steps}), kappa, **at, common=True, pairs=True, drift=source)
+        doubt = data[kappa].mean(rung) - slower[f"{kappa}_slope"] * steps.mean(rung) - data[f"{kappa}_limit"]
+        error = data[f"{kappa}_limit_error"]
+        total = (error**2 + doubt.where(error.source == source, 0.0) ** 2) ** 0.5
+        return data.assign({error.name: total.transpose(*error.dims).assign_attrs(error.attrs)})
 
 
 def spectral_errors(

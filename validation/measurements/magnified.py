@@ -138,36 +138,34 @@ def with_macroasperities(data: xr.Dataset, *, theory: Sequence[float], same: flo
     """
     along = [["magnification"], ["magnification"]]
 
-    def bend(area: xr.DataArray) -> xr.DataArray:
+    def bend(area: xr.DataArray) -> Any:
         # Of the mean over the surfaces: the bend of a single one is noise.
         places = data.magnification, area.mean("surface")
-        found: xr.DataArray = xr.apply_ufunc(sharpest_bend, *places, input_core_dims=along, vectorize=True)
-        return found
+        return xr.apply_ufunc(sharpest_bend, *places, input_core_dims=along, vectorize=True)
 
-    def there(area: xr.DataArray, zeta: xr.DataArray) -> xr.DataArray:
+    def there(area: xr.DataArray, zeta: xr.DataArray) -> Any:
         places = data.magnification, area, zeta
-        found: xr.DataArray = xr.apply_ufunc(
-            at_magnification, *places, input_core_dims=[*along, []], vectorize=True
-        )
+        found = xr.apply_ufunc(at_magnification, *places, input_core_dims=[*along, []], vectorize=True)
         return found.transpose("surface", "load")
 
-    area, load = data.area_each, data.reduced_pressure
-    data["macro_magnification"] = bend(area).assign_attrs(reduction="bend", of="area")
-    # Where it bends is an estimate, too, whose scatter is that of leaving surfaces out.
-    data["macro_area_each"] = jackknife(
-        lambda some: there(some, bend(some)).mean("surface", skipna=False), area
-    )
-    data["macro_pressure_each"] = jackknife(
-        lambda some: (load / there(some, bend(some))).mean("surface", skipna=False), area
-    )
+    def at_bend(area: xr.DataArray) -> Any:
+        return there(area, bend(area)).mean("surface", skipna=False)
+
+    data["macro_magnification"] = bend(data.area_each).assign_attrs(reduction="bend", of="area")
     data["macro_magnification_persson"] = ("load", list(theory))
+    # Where it bends is an estimate, too, whose scatter is that of leaving surfaces out.
+    data["macro_area_each"] = jackknife(at_bend, data.area_each)
     data["macro_area_persson_each"] = there(data.area_persson_each, data.macro_magnification_persson)
-    data = derive(data, macro_pressure_persson_each="reduced_pressure / macro_area_persson_each")
     for which in ("", "_persson"):
-        pressure, ratio = f"macro_pressure{which}", f"macro_pressure_ratio{which}"
-        lightest = int(np.argmax(data[f"{pressure}_each"].notnull().all("surface").values))
-        shift, first = f"macro_pressure_shift{which}", f"{pressure}_each.isel(load={lightest})"
-        data = derive(data, **{f"{ratio}_each": ratio_of_means(f"{pressure}_each", first, "surface")})
-        data = mean(data, f"macro_area{which}", pressure, ratio)
-        data = derive(claim(data, f"macro_magnification{which}"), **{shift: f"({ratio} - 1) / {same}"})
+        area, pressure = f"macro_area{which}", f"macro_pressure{which}"
+        lightest = int(np.argmax(data[f"{area}_each"].notnull().all("surface").values))
+        areas = ratio_of_means(f"{area}_each.isel(load={lightest})", f"{area}_each", "surface")
+        loads = f"reduced_pressure / reduced_pressure.isel(load={lightest})"
+        data = derive(data, **{f"macro_pressure_ratio{which}_each": f"({areas}) * {loads}"})
+        data = mean(data, area, f"macro_pressure_ratio{which}")
+        data = derive(
+            claim(data, f"macro_magnification{which}"),
+            **{pressure: f"reduced_pressure / {area}"},
+            **{f"macro_pressure_shift{which}": f"(macro_pressure_ratio{which} - 1) / {same}"},
+        )
     return data
