@@ -1,8 +1,13 @@
 """No module imports itself by way of others, in functions and for annotations included."""
 
 import ast
+import importlib
 from graphlib import TopologicalSorter
 from pathlib import Path
+
+import pytest
+
+from validation._renamed import _NEW
 
 ROOT = Path(__file__).parents[1]
 
@@ -34,3 +39,10 @@ def test_there_are_no_import_circles():
     graph = imports()
     assert sum(map(len, graph.values())) > 1000
     TopologicalSorter(graph).prepare()  # raises CycleError, which lists the circle
+
+
+@pytest.mark.parametrize("old", _NEW)
+def test_the_import_of_an_old_name_says_the_new_one(old):
+    with pytest.raises(ModuleNotFoundError, match=f"^{old} is called {_NEW[old]}$"):
+        importlib.import_module(old)
+    assert importlib.import_module(_NEW[old])
