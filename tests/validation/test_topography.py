@@ -686,7 +686,7 @@ def test_faults_of_a_map_and_of_other_tables_come_at_once(sweep, tmp_path):
     assert places == sorted(places)
     assert str(caught.value).endswith('tilt = "plane"')
     treated = table + 'tilt = "plane"\nedges = "tukey"\n'
-    with pytest.raises(UsageError, match="surface.length: missing") as caught:
+    with pytest.raises(UsageError, match=r"surface\.length: missing") as caught:
         scene_in(tmp_path, treated + REST + sweep)
     assert "cannot be pressed as it is" not in str(caught.value)
 
