@@ -219,13 +219,17 @@ def _beyond(drawing):
         yield f"{drawing.name}: its caption does not end with {told!r}"
 
 
+def _spans(one):
+    """Return the bands around a level."""
+    y = one.artist.get_ydata()[0]
+    return [p for p in one.axes.patches if np.isclose(p.get_y() + p.get_height() / 2, y)]
+
+
 def _drawn(one, kind):
     """Abscissae, ordinates and half lengths of the bars of an artist."""
     if kind == "Level":
+        spans = [p.get_height() / 2 for p in _spans(one)]
         y = np.asarray(one.artist.get_ydata(), dtype=float)[:1]
-        spans = [
-            p.get_height() / 2 for p in one.axes.patches if np.isclose(p.get_y() + p.get_height() / 2, y[0])
-        ]
         return None, y, np.array(spans[:1]) if spans else None
     line, _, collections = one.artist.lines
     x, y = line.get_xdata(), np.asarray(line.get_ydata(), dtype=float)
@@ -343,6 +347,10 @@ def _look(one, kind, several):
         return
     if not same_color(line.get_color(), one.look["color"]):
         yield f"its colour is not {one.look['color']}"
+    if kind == "Level" and not all(
+        same_color(p.get_facecolor()[:3], line.get_color()) for p in _spans(one)[:1]
+    ):
+        yield "its band has another colour"
     steps = kind == "Line" and one.mark.steps
     if steps != (line.get_drawstyle() == "steps-mid"):
         yield "a histogram has steps, and what is none has not"

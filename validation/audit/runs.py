@@ -168,7 +168,7 @@ class Run:
         """Whether lambda_short > 2 dx."""
         return self.shortest is None or self.shortest > 2 * max(solve.spacing) * (1 + 1e-12)
 
-    def moments(self, k: int = 0) -> Moments | None:
+    def moments(self, k: int) -> Moments | None:
         """(m0, m2, m4) of one realisation, from its finest grid that resolves it."""
         solves = [solve for key, solve in self.solves.items() if key[3] == k and self.resolved(solve)]
         if not solves or self.measured:
@@ -355,7 +355,7 @@ def _of_surface(run: Run) -> Expected:
         "pressure": run.pressure(),
     }
     numbers |= dict.fromkeys(("rms_height", "rms_gradient", "nayak"))
-    if (moments := run.moments()) is not None:  # of a grid that resolves the surface
+    if (moments := run.moments(0)) is not None:  # of a grid that resolves the surface
         m0, m2, m4 = moments
         numbers |= {"rms_height": math.sqrt(m0), "rms_gradient": math.sqrt(m2)}
         numbers["nayak"] = 1.5 * m0 * m4 / m2**2

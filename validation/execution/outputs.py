@@ -47,7 +47,7 @@ class Outputs:
 
 
 def leave(
-    folder: Path, data: xr.Dataset, page_of: Callable[..., Page], *, report: bool = True, **record: Any
+    folder: Path, data: xr.Dataset, page_of: Callable[..., Page], *, report: bool, **record: Any
 ) -> Outputs:
     """Write dataset and record (`write_results`) of an act into its folder, and `show` them."""
     with locked(folder):
