@@ -48,7 +48,10 @@ def test_methods_without_a_grid_in_common_are_said_where_it_is_not_their_failure
 
 
 def test_at_most_six_things_are_found(small_run):
-    assert len(run_views(small_run.data).findings) == 6
+    data = small_run.data
+    sure = data.assign(area_own_error=0.01 * data.area_own_error)
+    # Which solve is within 1 % of a limit that is not known to 1 % cannot be said.
+    assert [len(run_views(one).findings) for one in (data, sure)] == [5, 6]
 
 
 def test_counting_is_said_to_err_to_the_side_to_which_it_does(small_run):

@@ -221,7 +221,7 @@ def test_along_a_scale_the_power_is_that_of_the_numbers_with_its_interval(swept)
     student = 4.302652729911275  # two degrees of freedom, 97.5 %
     assert found.values["exponent"].error == pytest.approx(student * line.stderr, rel=1e-9)
     assert found.outcomes == ("+",)
-    assert found.text.startswith("A/A0 rises as a power of p, with the exponent 0.9")
+    assert found.text.startswith("In the mean A/A0 rises as a power of p, with the exponent 0.9")
     single = [one.text for one in sweep_views(data.isel(pressure=[0])).findings if "Persson" in one.text]
     assert single
     assert not any(" to " in text for text in single)

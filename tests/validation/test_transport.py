@@ -8,6 +8,7 @@ from numpy.testing import assert_allclose
 from small_scene import HARD, OBLONG, ensemble, scene_in
 
 from fem_contact import HalfSpace, Solid, flow_conductance, frozen_contact, open_gap
+from persson.leakage import effective_medium
 from validation.comparison.numbers import scene_data
 from validation.comparison.run import report_scene, run_scene, run_sweep
 from validation.errors import SceneError
@@ -75,6 +76,14 @@ def test_the_mean_is_that_of_the_surfaces_of_the_ensemble_on_its_finest_grid(wri
     own = found["thermal_conductance_own_error"].sel(source="grid") / found["thermal_conductance_own"]
     share = error.sel(source="grid") / found["thermal_conductance"]
     assert_allclose(share, own, rtol=1e-9)
+
+
+def test_bruggeman_is_told_the_gaps_of_every_surface_of_an_ensemble(written):
+    found, results = read_off(load_scene(written(LEAK + ensemble(3, "[[24, 12], [32, 16]]"))))
+    gaps = [open_gap(result).ravel() for solve, result in results.items() if solve.grid == (32, 16)]
+    media = [effective_medium(gap**3 / 12, np.full(gap.size, 1 / gap.size)) for gap in gaps]
+    assert len({*media}) == 3
+    assert_allclose(found["leak_rate_x_bruggeman"], np.mean(media) / 2e-3 * (3e3 / 10e-6) * 5e-6, rtol=1e-12)
 
 
 def test_yielded_points_conduct_too(written):

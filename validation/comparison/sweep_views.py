@@ -224,7 +224,7 @@ def _power(known: xr.Dataset, name: str, key: str, dim: str) -> Iterator[Finding
         law = power_law(known, "exponent", of=name, x=key, along=[dim])
         yield finding(
             "trend",
-            f"A/A0 {{verdict}} {quantity_of(known, key).symbol}, with the exponent {{exponent}}.",
+            f"In the mean A/A0 {{verdict}} {quantity_of(known, key).symbol}, with the exponent {{exponent}}.",
             law,
             by="exponent",
             words={

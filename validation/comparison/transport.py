@@ -54,7 +54,10 @@ def passing(data: xr.Dataset, case: Case) -> xr.Dataset:
         if np.isfinite(theory):
             data[f"{name}_{beside}"] = theory
         if len(ensemble) > 1:
-            data[f"{name}_each"] = ("surface", [read(results[solve])[0] for solve in ensemble])
+            own, told = zip(*(read(results[solve]) for solve in ensemble), strict=True)
+            data[f"{name}_each"] = ("surface", list(own))
+            if np.isfinite(theory):
+                data[f"{name}_{beside}"] = float(np.mean(told))
             data = mean(data.rename({name: f"{name}_own", f"{name}_error": f"{name}_own_error"}), name)
             share = change / value if value and np.isfinite(value) else np.nan
             errors = data[f"{name}_error"]

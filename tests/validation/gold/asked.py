@@ -310,7 +310,12 @@ COMPARED = {"compare of two runs": ("scene plain", "scene of another Hurst expon
 UNSTEADY: dict[str, tuple[str, ...]] = {
     "*": (
         *("*seconds*", "*time*", "*cheapest*", "*free_bytes*", "*peak_bytes*", "*memory*"),
-        *("*seconds*", "answers: What did it cost*", "findings: The cheapest way to*", "findings: It cost*"),
+        *(
+            "*seconds*",
+            "answers: What did it cost*",
+            "findings: Counted or corrected, the cheapest way to*",
+            "findings: It cost*",
+        ),
         *("*@solves_made", "summary.results.*"),
         "summary.findings",  # they are those of the page
     ),
