@@ -93,7 +93,7 @@ pressure measure-512x512-4eaca9629ef04b88 12.4 31457280
 reference unsolved-48x48-4ec549d1e39a4327 1.75 460800
 refinement grid-roughness-64-e28cffaebdde639d 0.0184 491520
 scaling cost-128-a37cb8447a96c158 0.0217 1966080
-sliding slide-256x256-ac9282e10184ec6e 8.98 39321600
+sliding slide-256x256-1653c8d8495d2be8 8.98 39321600
 stress-near-zero edge-256-14b3183b9b75b9cc 0.0836 10485760
 """
 

@@ -234,7 +234,8 @@ def _mean_distance(result: Result, name: str, variable: xr.Variable) -> Array:
     """Mean distance from 1, in logarithms, over the loads below nearly full contact."""
     over = ordered(result.data[str(variable.attrs["of"])], (*variable.dims, "load")).astype(float)
     partly = result.data["area"].values < float(variable.attrs["below"])
-    return np.asarray(np.abs(np.log(over[..., partly])).mean(axis=-1))
+    with np.errstate(invalid="ignore", divide="ignore"):
+        return np.asarray(np.abs(np.log(over[..., partly])).mean(axis=-1))
 
 
 #: By the attribute `reduction`.
