@@ -49,8 +49,8 @@ def bandwidth_order(hurst: float) -> float:
     """Order in lambda_short/lambda_long: 2 (1 - H).
 
     The long waves matter by their share in the mean square gradient, which falls so as shorter waves are
-    added. That kappa follows is an argument and no law: at bandwidths up to 256 it falls like some 0.7 times
-    this order, so that what half the order would say is part of the error of a limit.
+    added. That kappa follows is an argument and no law: from 64 to 256 the shipped table of wide bands falls
+    with 0.6 to 0.8 times this order, so that what half of it would say is part of the error of a limit.
 
     >>> round(bandwidth_order(0.8), 12)
     0.4

@@ -60,13 +60,17 @@ def slides(
 def slid_of(measured: xr.Dataset, solve: Call) -> xr.Dataset:
     """Reduce what one of `slides` left to (velocity) on its finest grid, with what each grid gave, and the theory's.
 
-    Drifts are steps from the grid before; ``_grid_each`` is over (grid, velocity).
+    Drifts are steps from the grid before; of a friction its distance to the other if that is larger, since
+    steps change their sign along the velocities. ``_grid_each`` is over (grid, velocity).
     """
     on_grids = {"friction": "friction", "friction_dissipated": "dissipation", "area": "area"}
     fine, before = (measured.isel(grid=k) for k in (-1, -2))
     numbers: dict[str, Any] = {f"{name}_grid_each": measured[of] for name, of in on_grids.items()}
+    apart = {"friction": fine.friction - fine.dissipation, "dissipation": fine.dissipation - fine.friction}
     for name, of in on_grids.items():
-        numbers |= {f"{name}_each": fine[of], f"{name}_each_drift": fine[of] - before[of]}
+        step = fine[of] - before[of]
+        other = apart.get(of, step)
+        numbers |= {f"{name}_each": fine[of], f"{name}_each_drift": step.where(abs(step) > abs(other), other)}
     numbers |= {f"{name}_each": measured[name] for name in QUANTITIES[3:]}
     return xr.Dataset(numbers | _theory(solve["problem"], solve["rubber"], solve["velocities"]))
 

@@ -310,22 +310,15 @@ def _draw_panel(
     axes.set_title(mathtext(panel.title), fontsize=9)
     bottom = panel.bottom
     if "y" in panel.log and bottom is None and not isinstance(panel.marks[0], Image):
-        # Bars that reach beyond zero have no lower end on a logarithmic axis.
-        shown = [_drawn_heights(other, scale_y[0], log_x="x" in panel.log) for other in drawn]
+        # Bars that reach beyond zero have no lower end on a logarithmic axis, nor points at zero a place.
+        seen = [(one.data[one.mark.y], one.data.get(one.x) if "x" in panel.log else None) for one in drawn]
+        shown = [np.ravel((up if x is None else up.where(x > 0)).values) * scale_y[0] for up, x in seen]
         positive = [values[np.isfinite(values) & (values > 0)] for values in shown]
         bottom = min((values.min() / 1.5 for values in positive if values.size), default=None)
     axes.set_ylim(bottom=bottom, top=panel.top)
     if panel.right is not None:
         axes.set_xlim(right=panel.right)
     return drawn
-
-
-def _drawn_heights(one: Drawn, factor: float, *, log_x: bool) -> Any:
-    """Numbers of a mark along y; those of a line without what has no place on a logarithmic x."""
-    if not isinstance(one.mark, Line):
-        return np.ravel(one.data[one.mark.y].values) * factor
-    x, y = one.artist.lines[0].get_data(orig=False)
-    return y[np.asarray(x, dtype=float) > 0] if log_x else y
 
 
 def _few_whole(along: Sequence[xr.DataArray]) -> list[int]:
