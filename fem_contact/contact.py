@@ -211,6 +211,11 @@ class ContactResult:
         maybe = self.in_contact | (self.gap < lift)
         return float(np.mean(weights * surely)), float(np.mean(weights * maybe))
 
+    @property
+    def mean_gap(self) -> float:
+        """Mean gap [m]; 0 where the bodies have yielded, which overlap there."""
+        return float(np.mean(np.where(self.at_bound, 0.0, self.gap)))
+
     def checked(self) -> Self:
         """Return this result if its solver converged and its residuals say the same.
 

@@ -240,7 +240,7 @@ def gap_distribution(result: ContactResult, edges: ArrayLike) -> GapDistribution
     apart = ~result.in_contact
     counts, _ = np.histogram(result.gap[apart], bins=edges, weights=weights[apart])
     density = counts / (result.gap.size * np.diff(edges))
-    return GapDistribution(edges=edges, density=density, mean=float(np.mean(weights * result.gap)))
+    return GapDistribution(edges=edges, density=density, mean=result.mean_gap)
 
 
 def elastic_energy(result: ContactResult) -> float:

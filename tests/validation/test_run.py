@@ -5,6 +5,7 @@ import csv
 import errno
 import hashlib
 import json
+import math
 import os
 import re
 import shutil
@@ -102,10 +103,17 @@ def test_contact_in_numbers_follows_from_the_fields(small_run):
     scene = scene_of(small_run)
     store, data = Store(folder=small_run.folder / "solves"), small_run.data
     own = [s for s in solves_of(scene) if s.method == "bem" and s.is_own]
-    before, finest = (store.read(solve).result for solve in sorted(own, key=lambda s: s.grid)[-2:])
+    *coarser, finest = (store.read(solve).result for solve in sorted(own, key=lambda s: s.grid))
     assert_allclose(data.mean_gap, finest.gap.mean(), rtol=1e-12)
-    change = abs(float(finest.gap.mean()) - float(before.gap.mean()))
-    assert_allclose(data.mean_gap_error.sel(source="grid"), change, rtol=1e-9)
+    for name, power, read in (
+        ("mean_gap", 1.5, lambda result: result.gap.mean()),
+        ("largest_pressure", 1.0, lambda result: result.pressure.max()),
+    ):
+        ratios = [max(finest.spacing) / max(result.spacing) for result in coarser]
+        left = [(read(r) - read(finest)) * k**power for r, k in zip(coarser, ratios, strict=True)]
+        half = 4.302652729911275 * math.hypot(*left) / 2**0.5  # Student's of two samples
+        assert len(left) == 2
+        assert_allclose(data[f"{name}_error"].sel(source="grid"), half, rtol=1e-9)
     assert float(data.approach) == -finest.offset
     assert float(data.largest_pressure) == finest.pressure.max()
     assert float(data.patches) == find_patches(finest.in_contact, finest.spacing).count

@@ -6,9 +6,11 @@ import itertools
 import math
 from collections.abc import Callable, Collection, Iterator, Mapping
 from functools import cached_property, partial
+from statistics import fmean
 from typing import Any, TypeAlias
 
 import numpy as np
+from scipy.special import stdtrit
 
 from validation.audit.dataset import Result, Variables
 from validation.audit.ledger import Ledger
@@ -29,7 +31,7 @@ _LOOSE = {
     "accuracy_reached": {"rtol": 1e-4},
     **{name: {"rtol": 1e-6} for name in ("rms_gradient_spectrum", "area_ensemble")},
     **{name: {"rtol": 1e-7} for name in ("area_own", "area_each", "area_limit")},
-    **{f"area_{name}_off": {"atol": 1e-7} for name in ("pixel", "perimeter")},
+    **{f"area_{name}_off": {"atol": 1e-7} for name in ("pixel", "perimeter", "located")},
     "scatter": {"rtol": 1e-5},
     **{f"{name}_difference": {"atol": 1e-12} for name in ("pressure", "area_pixel", "area_perimeter")},
 }
@@ -264,7 +266,7 @@ class Run:
         finest = [solve for solve in solves if solve.spacing == min(spacings)]
         if not finest or (len(spacings) > 1 and finest[0].pixel * finest[0].p.size < LEAST_POINTS):
             return math.nan, math.nan
-        return math.fsum(s.subcell if s.located else s.perimeter for s in finest) / len(finest), math.nan
+        return fmean(s.subcell if s.located else s.perimeter for s in finest), math.nan
 
     def theory(self, m2: float | None, pressure: float | None) -> Pair:
         """A/A0 and A_pl/A0 with V = E*^2 m2 / 4, elastic or with one hardness; NaN with other effects."""
@@ -306,11 +308,11 @@ class Run:
         return m0, m0 * per_height
 
 
-#: Read off the fields of one solve.
-_READ: Mapping[str, Callable[[Stored], float]] = {
-    "mean_gap": lambda solve: float(np.mean(solve.gap)),
-    "approach": lambda solve: -float(solve.attrs["offset"]),
-    "largest_pressure": lambda solve: float(np.max(solve.p)),
+#: Read off the fields of one solve, and with which power of the spacing they converge at least.
+_READ: Mapping[str, tuple[Callable[[Stored], float], float]] = {
+    "mean_gap": (lambda solve: float(np.mean(np.where(solve.bound, 0.0, solve.gap))), 1.5),
+    "approach": (lambda solve: -float(solve.attrs["offset"]), 1.5),
+    "largest_pressure": (lambda solve: float(np.max(solve.p)), 1.0),
 }
 #: Name, value, and place along dimensions: positions, or names of solver, grid and source.
 Expected: TypeAlias = Iterator[tuple[str, float | None, Mapping[str, int | str]]]
@@ -377,7 +379,7 @@ def _of_solves(run: Run) -> Expected:
         if "hardness" in run.kinds:
             means["area_plastic_pixel"] = "plastic"
         row: dict[str, float | None]
-        row = {name: math.fsum(getattr(s, of) for s in solves) / len(solves) for name, of in means.items()}
+        row = {name: fmean(getattr(s, of) for s in solves) for name, of in means.items()}
         row |= {"density_at_zero": math.nan} if run.adhesive else {}
         row |= {
             "shifts": len(solves),
@@ -388,9 +390,9 @@ def _of_solves(run: Run) -> Expected:
         if not run.measured:
             load, residual = run.reduced_pressure() or math.nan, max(run.residual(solve) for solve in solves)
             if run.holds_distance:
-                carried = math.fsum(solve.mean_pressure for solve in solves) / len(solves)
+                carried = fmean(solve.mean_pressure for solve in solves)
                 load *= carried / (run.pressure() or math.nan)
-            kappa = math.fsum(s.perimeter for s in solves) / len(solves) / load
+            kappa = fmean(s.perimeter for s in solves) / load
             row["kappa_perimeter"] = None if math.isnan(load) else kappa
             row["points_per_wave"] = (run.shortest or math.nan) / max(solves[0].spacing)
             row |= {} if math.isnan(residual) else {"residual": residual}
@@ -412,9 +414,11 @@ def _of_area(run: Run, accurate: Mapping[str, Any] | None) -> Expected:
     known = not math.isnan(error) and 0 < area < 1 - 1e-12
     for method in run.methods if known else ():
         for grid in map(tuple, run.options[method]["grids"]):
-            for name in ("pixel", "perimeter"):
-                off = np.mean([getattr(solve, name) for solve in run.shown(method, grid)]) / area - 1
-                yield f"area_{name}_off", float(off), {"solver": method, "grid": f"{grid[0]} x {grid[1]}"}
+            solves, at = run.shown(method, grid), {"solver": method, "grid": f"{grid[0]} x {grid[1]}"}
+            for name, of in {"pixel": "pixel", "perimeter": "perimeter", "located": "subcell"}.items():
+                if name != "located" or solves[0].located:
+                    off = fmean(getattr(solve, of) for solve in solves) / area - 1
+                    yield f"area_{name}_off", off, at
     share, solver = NORMAL * error / area, 0.0
     if accurate is not None:
         solver = _LEFT * accurate["tolerance"]
@@ -425,12 +429,16 @@ def _of_area(run: Run, accurate: Mapping[str, Any] | None) -> Expected:
 
 
 def _of_finest(run: Run) -> Expected:
-    """Yield what stands on the finest grid of the first method, and how far it is from the one before."""
-    *before, finest = run.ladder
-    for name, read in _READ.items():
+    """Yield what stands on the finest grid of the first method, and its interval from coarser ones."""
+    *coarser, finest = run.ladder
+    reads = dict(_READ)
+    if "hardness" in run.kinds:  # mean over the shifts
+        reads["area_plastic"] = lambda s: fmean(x.plastic for x in run.shown(s.method, s.grid)), 1.5
+    for name, (read, power) in reads.items():
         yield name, read(finest), {}
-        change = abs(read(finest) - read(before[-1])) if before else math.nan
-        yield f"{name}_error", change, {"source": "grid"}
+        left = [(max(finest.spacing) / max(s.spacing)) ** power * (read(s) - read(finest)) for s in coarser]
+        half = stdtrit(len(left), 0.975) * math.hypot(*left) / math.sqrt(len(left) or math.nan)
+        yield f"{name}_error", float(half), {"source": "grid"}
 
 
 def _of_theory(run: Run) -> Expected:
@@ -460,7 +468,7 @@ def _of_ensemble(run: Run) -> Expected:
             "area_persson_each": run.own_theory(k)[0],
         }
         yield from ((name, value, {"surface": k}) for name, value in numbers.items() if not math.isnan(value))
-    mean = math.fsum(areas) / count
+    mean = fmean(areas)
     yield "scatter", math.sqrt(math.fsum((a - mean) ** 2 for a in areas) / (count - 1)) / mean, {}
 
 

@@ -24,8 +24,8 @@ from validation.errors import RunFailed
 from validation.execution.press import Contacts, Press
 from validation.measurements.common import LEAST_POINTS_PER_WAVE
 from validation.measurements.measurement import TOLERANCES_LEFT, limit_over, no_limit
-from validation.measurements.statistics import order_of_convergence, relative_distance
-from validation.report.estimates import NORMAL, bare, derive, error_of, gather, mean, mean_of
+from validation.measurements.statistics import finest_error, order_of_convergence, relative_distance
+from validation.report.estimates import HOLDS, NORMAL, bare, derive, error_of, gather, mean, mean_of
 from validation.report.quantities import as_length, labelled
 from validation.scenes.problem import ContactProblem
 from validation.scenes.scene import Scene
@@ -131,6 +131,7 @@ def _on_grids(case: Case) -> xr.Dataset:
             # Of a mean over the shifts there are; none of one.
             half = mean_of(values.values, values.get_axis_num("shift"), there=values.notnull().values)[1]
             data[f"{name}_error"] = error_of(data[name], grid=half, **_ABSENT)
+            data[f"{name}_error"].attrs[HOLDS] = "sub-grid positions"
     if not data.area_located.notnull().any():
         data = data.drop_vars(["area_located", "area_located_error", "area_located_shift"])
     if failed := {(s.method, s.grid): why for s, why in case.failures.items() if s.realisation == 0}:
@@ -344,14 +345,15 @@ def cost_and_orders(data: xr.Dataset) -> xr.Dataset:
     limit = math.nan
     if data.no_limit.item() == "" and 0 < data.area_own < 1 - 1e-12:
         limit = float(data.area_own)
-    for name in ("pixel", "perimeter"):
+    ways = {"located": "edge located", "perimeter": "corrected at its edge", "pixel": "points counted"}
+    ways = {name: words for name, words in ways.items() if f"area_{name}" in data}
+    for name in ways:
         data[f"area_{name}_off"] = bare(data[f"area_{name}"]) / limit - 1
         data[f"deviation_{name}"] = np.maximum(abs(data[f"area_{name}_off"]), 1e-6)
     if "area_persson_own" in data:
         data["deviation_persson"] = np.maximum(abs(data.area_persson_own / limit - 1), 1e-6)
     every = "(['solver', 'grid'])"
     data = derive(data, seconds_total=f"seconds.sum{every}", unknowns_largest=f"unknowns.max{every}")
-    ways = {"perimeter": "corrected at its edge", "pixel": "points counted"}
     near = xr.concat([abs(data[f"area_{way}_off"]) <= _CLOSE for way in ways], "way").transpose(..., "way")
     seconds = data.seconds.where(near & (data.resolved > 0))
     if seconds.notnull().any():
@@ -388,11 +390,11 @@ def in_numbers(data: xr.Dataset, case: Case) -> xr.Dataset:
     from fem_contact.conductance import frozen_contact
     from fem_contact.patches import find_patches
 
-    solves, height = case.ladder(case.own[0].solve.method)[-2:], case.problem.field.rms_height
+    solves, height = case.ladder(case.own[0].solve.method), case.problem.field.rms_height
     results = [case.results[solve] for solve in solves]
     rows = [
         {
-            "mean_gap": float(np.mean(result.gap)),
+            "mean_gap": result.mean_gap,
             "approach": -result.offset,
             "largest_pressure": float(result.pressure.max()),
             "patches": float(find_patches(result.in_contact, result.spacing).count),
@@ -406,10 +408,16 @@ def in_numbers(data: xr.Dataset, case: Case) -> xr.Dataset:
         for row, result in zip(rows, results, strict=True):
             stiffness = frozen_contact(result, last.response, tolerance=1e-6).stiffness
             row["stiffness"] = stiffness * height / result.mean_pressure
+    if "area_plastic_pixel" in data:
+        for row, solve in zip(rows, solves, strict=True):
+            at = {"solver": solve.method, "grid": grid_name(solve.grid)}
+            row["area_plastic"] = float(data.area_plastic_pixel.sel(at))
+    spacing = [1 / case.problem.points_per_wave(solve.grid) for solve in solves]
     for name, value in rows[-1].items():
         data[name] = xr.DataArray(value)
-        change = abs(value - rows[0][name]) if len(rows) > 1 else math.nan
-        data[f"{name}_error"] = error_of(data[name], grid=change, **_ABSENT)
+        power = 1.0 if name in ("largest_pressure", "patches") else 1.5
+        half = finest_error([row[name] for row in rows], spacing, power=power)
+        data[f"{name}_error"] = error_of(data[name], grid=half, **_ABSENT)
     if height > 0:
         data = derive(data, gap="mean_gap / rms_height")
     return derive(data, contact_area="area_own * nominal_area")

@@ -23,7 +23,7 @@ from validation.solvers import find_method
 _NUMBERS = (
     *("area", "area_own", "area_lowest", "area_highest", "contact_area", "nominal_area", "kappa"),
     *("area_persson", "area_ensemble", "area_other_energy", "area_ratio", "kappa_persson"),
-    *("area_plastic_persson", "scatter", "mean_gap", "gap", "approach"),
+    *("area_plastic", "area_plastic_persson", "scatter", "mean_gap", "gap", "approach"),
     *("ball_radius", "hertz_radius", "hertz_approach", "hertz_pressure", "hertz_share"),
     *("stiffness", "largest_pressure", "patches", "density_at_zero_order"),
     *(f"{name}{by}" for name in ("electrical_conductance", "thermal_conductance") for by in ("", "_persson")),
@@ -32,9 +32,12 @@ _NUMBERS = (
     *("rms_height", "rms_height_spectrum", "rms_gradient", "rms_gradient_spectrum", "nayak"),
     *STATISTICS,
 )
-_NOTE = "Of the scene's own surface, on the finest grid that resolves it; the interval of what follows "
-_NOTE += "from fields is the change from the grid before. A/A0, conductances and leaks are means over the "
-_NOTE += "surfaces of an ensemble."
+_NOTE = "Of the scene's own surface, on the finest grid that resolves it. What follows from fields has an "
+_NOTE += "interval of Student's, from how far coarser grids are from it, times (dx/dx_coarse)^(3/2), of the "
+_NOTE += (
+    "largest pressure and patches dx/dx_coarse. A/A0, conductances and leaks are means over the surfaces "
+)
+_NOTE += "of an ensemble."
 _GRID_ROWS = ("solver", "grid")
 _MOST_FINDINGS = 6
 #: Questions that cards of runs, sweeps and the theory alone answer.
@@ -157,9 +160,9 @@ def _cards(data: xr.Dataset) -> Iterator[Card]:
             "R = {ball_radius:u}: Hertz a = {hertz_radius:u}, approach {hertz_approach:u}; here {approach:u}"
         )
         yield Card("Beside a smooth ball (Hertz)", told("{hertz_share} of its area", data), told(basis, data))
-    if "area_plastic_pixel" in data:
+    if "area_plastic" in data:
         at, basis = _finest(data), "{solver} on {grid}, points counted[; theory: {area_plastic_persson:.4}]"
-        yield Card(HOW_YIELDED, told("{area_plastic_pixel:.4}", at), told(basis, at))
+        yield Card(HOW_YIELDED, told("{area_plastic}", at), told(basis, at))
     basis = "solves of this surface: {solves}, largest {unknowns_largest} unknowns"
     basis += "; without those of the mean" if several else ""
     shown = told(basis, data, solves=float(data.shifts.sum()))
@@ -186,8 +189,8 @@ def _findings(data: xr.Dataset) -> Iterator[Finding]:
         # One of several sentences, so that none is lost.
         form = " ".join(warning.form for warning in warnings)
         yield note(form, **{k: v for warning in warnings for k, v in warning.values.items()})
-    if "area_plastic_pixel" in data:
-        text = "Yielded, A_pl/A0 = {area_plastic_pixel:.4} by {solver} on {grid} (points counted)"
+    if "area_plastic" in data:
+        text = "Yielded, A_pl/A0 = {area_plastic} by {solver} on {grid} (points counted)"
         text += "[; {area_plastic_persson:.4} by the theory]."
         yield finding("share", text, _finest(data))
     if passing := " ".join(_what_passes(data)):
@@ -204,11 +207,11 @@ def _findings(data: xr.Dataset) -> Iterator[Finding]:
     if not limit.error or not limit.error < 0.01 * float(limit.value):  # none can be told within 1 % of it
         return
     if "cheapest" in data:
-        text = "Counted or corrected, the cheapest way to within 1 % of the limit was {cheapest}: "
+        text = "The cheapest way to within 1 % of the limit was {cheapest}: "
         text += "{seconds_cheapest:u}, off by {area_cheapest_off:+.2%}."
         yield finding("cost", text, data)
     elif "accuracy_asked" not in data and data.deviation_pixel.notnull().any():
-        yield note("Counted or corrected, no solve of this run is within 1 % of the limit.")
+        yield note("No solve of this run is within 1 % of the limit.")
 
 
 def _area(data: xr.Dataset) -> Iterator[Finding]:
@@ -324,7 +327,7 @@ def _figures(data: xr.Dataset) -> Iterator[Figure]:
         yield maps_figure(data)
     if "density_near" in data:
         yield pressure_figure(data)
-    ways = ("deviation_pixel", "deviation_perimeter", Level("deviation_persson"))
+    ways = ("deviation_pixel", "deviation_perimeter", "deviation_located", Level("deviation_persson"))
     yield Figure(
         "cost",
         "Distance of the area from its limit over the time of the solves.",

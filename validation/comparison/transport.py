@@ -13,6 +13,7 @@ import xarray as xr
 from fem_contact.contact import ContactResult
 from validation.arrays import Pair
 from validation.comparison.reductions import Case
+from validation.measurements.statistics import finest_error
 from validation.report.estimates import error_of, mean
 from validation.scenes.tables import Leak
 
@@ -26,7 +27,7 @@ def passing(data: xr.Dataset, case: Case) -> xr.Dataset:
 
     The set of contact is that of the solve, whatever effects made it; the current passes through homogeneous
     half-spaces that touch there, yielded points included. Values are those of the finest grid that resolves
-    the surface, with their change from the grid before; with an ensemble means over its surfaces.
+    the surface; with an ensemble means over its surfaces.
     """
     scene, results, quantities = case.scene, case.results, case.scene.quantities
     if quantities is None or not quantities.passing:
@@ -35,6 +36,7 @@ def passing(data: xr.Dataset, case: Case) -> xr.Dataset:
     ladder = next(filter(None, alike), [])
     if not ladder:
         return data.assign(passing_note="not determinable: the points of every method weigh differently")
+    spacing = [1 / case.problem.points_per_wave(solve.grid) for solve in ladder]
     finest = scene.ensemble and max(scene.ensemble.grids, key=case.problem.points_per_wave)
     ensemble = [on[finest].solve for on in case.surfaces.values() if finest in on]
     reads: dict[str, tuple[_Read, str]] = {}
@@ -46,11 +48,10 @@ def passing(data: xr.Dataset, case: Case) -> xr.Dataset:
     if quantities.leak is not None:
         reads |= {f"leak_rate_{axis}": (_leak(quantities.leak, axis), "bruggeman") for axis in _AXES}
     for name, (read, beside) in reads.items():
-        values = [read(results[solve]) for solve in ladder[-2:]]
-        value, theory = values[-1]
-        change = abs(value - values[0][0]) if len(values) > 1 and np.isfinite(value) else np.nan
+        values, theories = zip(*(read(results[solve]) for solve in ladder), strict=True)
+        value, theory, half = values[-1], theories[-1], finest_error(values, spacing)
         data[name] = xr.DataArray(value)
-        data[f"{name}_error"] = error_of(data[name], grid=change)
+        data[f"{name}_error"] = error_of(data[name], grid=half)
         if np.isfinite(theory):
             data[f"{name}_{beside}"] = theory
         if len(ensemble) > 1:
@@ -59,7 +60,7 @@ def passing(data: xr.Dataset, case: Case) -> xr.Dataset:
             if np.isfinite(theory):
                 data[f"{name}_{beside}"] = float(np.mean(told))
             data = mean(data.rename({name: f"{name}_own", f"{name}_error": f"{name}_own_error"}), name)
-            share = change / value if value and np.isfinite(value) else np.nan
+            share = half / value if value and np.isfinite(value) else np.nan
             errors = data[f"{name}_error"]
             data[f"{name}_error"] = errors.where(errors.source != "grid", share * abs(data[name]))
     return data

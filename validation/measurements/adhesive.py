@@ -156,7 +156,7 @@ def sticky_contact(
             "plain": float(plain.in_contact.mean()),
             "force": float(np.mean(contact.pressure * inside)) / problem.pressure,
             "tension": float(np.mean(stress < 0)) if stress.size else 0.0,
-            "gap": float(contact.gap.mean()) / problem.field.rms_height,
+            "gap": contact.mean_gap / problem.field.rms_height,
             "parted": parted,
             "stress": ("stress_bin", shares / inside.size),
             "stored": ("shell", by_shell(contact.displacement)),

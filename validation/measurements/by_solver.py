@@ -104,7 +104,7 @@ def beside_bem(
         "pressure_half_space": difference(contact, ours),
         "pressure_inside": difference(contact, ours, inside=True),
         # The mean gap is the offset less C(0) p0 and the mean height: it compares bodies of different depth.
-        "gap": (contact.gap.mean() - ours.gap.mean()) / problem.field.rms_height,
+        "gap": (contact.mean_gap - ours.mean_gap) / problem.field.rms_height,
         "residual": contact.residuals.worst,
         "converged": contact.status is Status.CONVERGED,
         "seconds": contact.cost.cpu_seconds,

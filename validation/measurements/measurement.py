@@ -312,7 +312,7 @@ def _read_off(result: ContactResult, *, located: bool) -> dict[str, float]:
         "patch_size": patches.mean_size,
         "cells_per_patch": float(sizes[half] / cell) if sizes.size else 0.0,
         # What is left of the gaps where every point touches is rounding.
-        "mean_gap": 0.0 if full else float(result.gap.mean()),
+        "mean_gap": 0.0 if full else result.mean_gap,
         "energy": elastic_energy(result),
         "residual": result.residuals.worst,
         "seconds": result.cost.cpu_seconds,

@@ -13,6 +13,7 @@ import xarray as xr
 
 from fem_contact.area import ContactAreas, contact_areas
 from fem_contact.contact import ContactResult
+from fem_contact.leak import open_gap
 from validation.comparison import fields, run_views
 from validation.comparison.numbers import scene_data
 from validation.comparison.reductions import DIFFERENCES, grid_name
@@ -224,7 +225,7 @@ class Contact:
                 data = labelled(fields.with_maps(self.data, own))
                 return draw(run_views.maps_figure(data), data, axes=ax)
             case "gap":
-                data = on_places(self.data, self.result.spacing, gap_map=self.result.gap)
+                data = on_places(self.data, self.result.spacing, gap_map=open_gap(self.result))
                 return draw(map_of("gap_map", "Gap between the surfaces."), data, axes=ax)
             case "distribution":
                 data = labelled(fields.with_distribution(self.data, own, self.scene, self._loaded))
@@ -248,13 +249,12 @@ class Contact:
 
     @property
     def _facts(self) -> dict[str, str]:
-        areas, theory, loaded = self.areas(), self.theory, self._loaded
+        theory, loaded = self.theory, self._loaded
         pressure = alike(loaded.pressure, self.scene.load.pressure)
         facts = {
             "solve": self.solve.label,
             "p0": f"{in_prefixed_unit(pressure, 'Pa')} (p* = {loaded.reduced_pressure:.4g})",
-            "A/A0": f"{significant(areas.perimeter)} corrected at its edge "
-            f"(counted {significant(areas.pixel)})",
+            "A/A0": f"{self.area} ({self.data.area_basis.item()}; counted {significant(self.areas().pixel)})",
         }
         if theory is not None:
             facts["A/A0, Persson"] = significant(theory.area) if theory.answers else theory.note

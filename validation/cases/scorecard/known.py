@@ -245,7 +245,7 @@ def nested(subject: Subject) -> Checks:
     coarse, middle, fine = (subject.press(rough(n, bandwidth=2), 0.05) for n in subject.ladder)
     p = [pressed.pressure for pressed in (coarse, middle, fine)]
     steps = relative_distance(p[0], p[1][::2, ::2]), relative_distance(p[1], p[2][::2, ::2])
-    gaps = fine.result.gap.mean() / middle.result.gap.mean() - 1
+    gaps = fine.result.mean_gap / middle.result.mean_gap - 1
     # At an edge p grows like the square root of the distance: the cells there leave an error of order 1.
     yield from _observed(subject, "the pressure from grid to grid", steps, expected=1, tolerance=0.7)
     # A grid of second order may miss the mean gap by (q_short dx)^2 / 4, of the middle grid.

@@ -77,12 +77,12 @@ def _low(subject: Subject, field: HeightField) -> float:
 def _means(subject: Subject, field: HeightField) -> dict[str, float]:
     """Return mean gap over h_rms, mean(p u) / (2 h_rms), and K h_rms / p0 by two loads beside."""
     result, rise = subject.press(field, _PRESSURE).result, field.rms_height
-    lighter, heavier = (subject.press(field, part * _PRESSURE).result.gap.mean() for part in (0.9, 1.1))
+    lighter, heavier = (subject.press(field, part * _PRESSURE).result.mean_gap for part in (0.9, 1.1))
     moved = result.displacement - result.displacement.mean()
     return {
-        "gap": float(result.gap.mean()) / rise,
+        "gap": result.mean_gap / rise,
         "energy": float(np.mean(result.pressure * moved)) / (2 * rise),
-        "stiffness": 0.2 * rise / float(lighter - heavier),
+        "stiffness": 0.2 * rise / (lighter - heavier),
     }
 
 
