@@ -17,7 +17,7 @@ from validation.report.marks import Figure, Image, Level, Line, against
 from validation.report.quantities import quantity
 from validation.report.table import Listing, Table
 from validation.report.values import Value, value_of
-from validation.report.views import Card, Views
+from validation.report.views import MOST_FINDINGS, Card, Views
 from validation.solvers import find_method
 
 _NUMBERS = (
@@ -39,7 +39,6 @@ _NOTE += (
 )
 _NOTE += "of an ensemble."
 _GRID_ROWS = ("solver", "grid")
-_MOST_FINDINGS = 6
 #: Questions that cards of runs, sweeps and the theory alone answer.
 HOW_LARGE, HOW_YIELDED = "How large is the contact? A/A0", "How much has yielded? A_pl/A0"
 HOW_FAR = "How far from Persson's theory?"
@@ -70,7 +69,7 @@ def run_views(data: xr.Dataset) -> Views:
         more=tuple(_tables(data)),
         budget=("area", "area_own", "kappa") if data.surfaces > 1 else ("area", "kappa"),
         figures=tuple(_figures(data)),
-        findings=tuple(_findings(data))[:_MOST_FINDINGS],
+        findings=tuple(_findings(data))[:MOST_FINDINGS],
         cards=tuple(_cards(data)),
     )
 

@@ -26,6 +26,10 @@ class Card:
     basis: Finding | str = ""
 
 
+#: So many findings a reader in a hurry takes in.
+MOST_FINDINGS = 6
+
+
 @dataclass(frozen=True, kw_only=True)
 class Views:
     """Declarations that `validation.report` shows; nothing in them computes.

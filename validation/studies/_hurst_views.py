@@ -9,6 +9,7 @@ import numpy as np
 import xarray as xr
 
 from validation.report.views import (
+    MOST_FINDINGS,
     Band,
     Column,
     Figure,
@@ -42,10 +43,10 @@ def views(data: xr.Dataset) -> Views:
             *(_ladder_figures() if climbed else ()),
         ],
         findings=[
-            *(_beside(data) if beside else ()),
             *_of_families(data),
             *(_of_ladders(data) if climbed else ()),
-        ],
+            *(_beside(data) if beside else ()),
+        ][:MOST_FINDINGS],
     )
 
 
