@@ -99,21 +99,30 @@ def measured_lay(surface: HeightField) -> Lay:
     return Lay(along=float(smooth), across=float(steep), direction=float(np.arctan2(y, x)))
 
 
-def radial_spectrum(surface: HeightField) -> RadialSpectrum:
+def radial_spectrum(surface: HeightField, *, band: tuple[float, float] = (0.0, np.inf)) -> RadialSpectrum:
     """Measure C(q) of a periodic surface, averaged over rings one fundamental wavevector wide.
 
     Convention as in Persson 2006, <h^2> = 2 pi int q C dq; multiply by (2 pi)^2 for the areal PSD of other
     communities.
+
+    Parameters
+    ----------
+    surface : HeightField
+    band : tuple of float, optional
+        Least and largest |q| [1/m] of the waves that count. Rings at the cut-offs of a surface that is made
+        of such waves hold others, too, which carry nothing.
     """
     instance("surface", surface, HeightField)
     qx, qy, coefficients = interpolant(surface)
     q = np.hypot(qx[:, None], qy[None, :])
     unit = 2 * np.pi / min(surface.lengths)
-    ring = np.rint(q / unit).astype(np.int64).ravel()
+    # A wave at a cut-off is in the band, whatever its last digit.
+    inside = (q >= band[0] * (1 - 1e-9)) & (q <= band[1] * (1 + 1e-9))
+    ring = np.rint(q[inside] / unit).astype(np.int64)
     count = np.bincount(ring)
     cell = (2 * np.pi) ** 2 / (surface.lengths[0] * surface.lengths[1])
-    power = np.bincount(ring, weights=(np.abs(coefficients) ** 2).ravel()) / cell
-    mean_q = np.bincount(ring, weights=q.ravel())
+    power = np.bincount(ring, weights=np.abs(coefficients[inside]) ** 2) / cell
+    mean_q = np.bincount(ring, weights=q[inside])
     filled = (count > 0) & (np.arange(count.size) > 0)
     return RadialSpectrum(
         q=mean_q[filled] / count[filled], power=power[filled] / count[filled], count=count[filled]

@@ -268,3 +268,16 @@ def test_the_shortest_wave_of_an_even_grid_carries_the_power_of_a_cosine():
     cell = (2 * np.pi) ** 2
     assert_allclose(np.sum(rings.power * rings.count) * cell, 0.5, rtol=1e-12)
     assert_allclose(surface.moments[1], 0.5 * (8 * np.pi) ** 2, rtol=1e-12)
+
+
+def test_rings_at_a_cut_off_are_means_over_the_waves_that_a_surface_is_made_of():
+    def spectrum(q):
+        return np.where(q > 0.999 * q_long, np.maximum(q, 1.0) ** -3.6, 0.0)
+
+    q_long, q_short = 2 * np.pi * 4, 2 * np.pi * 8
+    surface = random_surface(spectrum, q_short=q_short, lengths=(1.0, 1.0), shape=(20, 20), seed=3)
+    whole, inside = radial_spectrum(surface), radial_spectrum(surface, band=(q_long, q_short))
+    # A mean over a ring is a little more than what the spectrum is at its mean |q|.
+    assert_allclose(inside.power, inside.q**-3.6, rtol=0.03)
+    np.testing.assert_array_equal(np.rint(inside.q / (2 * np.pi)), [4, 5, 6, 7, 8])
+    assert whole.power[7] < 0.7 * whole.q[7] ** -3.6

@@ -5,10 +5,12 @@ import pytest
 from numpy.testing import assert_allclose
 from small_scene import scene_in
 
+from fem_contact import radial_spectrum
 from persson import SelfAffine
 from validation.comparison.run import run_scene
 from validation.errors import SceneError, UsageError
 from validation.scenes.problem import realise
+from validation.scenes.surfaces import band_of
 from validation.scenes.topography.text import read_columns
 
 SPECTRUM = SelfAffine.from_rms_gradient(0.1, hurst=0.8, q_long=2 * np.pi / 5e-5, q_short=2 * np.pi / 5e-6)
@@ -134,3 +136,21 @@ def test_what_marks_the_order_of_bytes_moves_no_number(header):
     numbers = b"12,3\n45,6\n78,9\n"
     for mark in (b"", b"\xef\xbb\xbf"):
         assert_allclose(read_columns(mark + header + numbers), [[12, 3], [45, 6], [78, 9]])
+
+
+@pytest.mark.parametrize(
+    "more", ["", "stretch = 1.6", 'rolloff = "plateau"', 'amplitudes = "gaussian"', "tabulated", "capillary"]
+)
+def test_no_wave_of_a_surface_lies_outside_its_band(scene, more):
+    waves = 'lambda_bend = "7 um"\ntemperature = "300 K"\nsurface_tension = "1 mJ/m^2"'
+    capillary = SELF_AFFINE.replace("self-affine", "capillary-waves")
+    capillary = capillary.replace("hurst = 0.8\nrms_gradient = 0.1", waves)
+    text = {"tabulated": TABULATED + UM, "capillary": capillary}.get(more, SELF_AFFINE + more)
+    problem = realise(scene(text, rows(q_unit=1e6, power_unit=1e-24)))
+    low, high = band_of(problem.surface)
+    inside = radial_spectrum(problem.field, band=(low, high))
+    power = (2 * np.pi / 1e-4) ** 2 * np.sum(inside.power * inside.count)
+    assert power == pytest.approx(problem.field.rms_height**2, rel=1e-9)
+    # And there are waves near both its ends.
+    assert inside.q.max() > 0.93 * high
+    assert inside.q.min() < max(1.2 * low, 8e4)

@@ -18,6 +18,7 @@ from validation.report.estimates import gather
 from validation.report.quantities import labelled
 from validation.scenes.problem import ContactProblem
 from validation.scenes.scene import Scene
+from validation.scenes.surfaces import band_of
 from validation.scenes.tables import Load
 from validation.solvers.theory import stress_distribution
 
@@ -39,7 +40,7 @@ def with_fields(data: xr.Dataset, scene: Scene, problem: ContactProblem, results
     shown = {solve: results[solve] for solve in own_solves(scene, results)}
     data = with_maps(data, {s: r for s, r in shown.items() if s.is_own})
     if isinstance(problem.field, HeightField):
-        radial = radial_spectrum(problem.field)
+        radial = radial_spectrum(problem.field, band=band_of(problem.surface))
         nonzero = radial.power > 1e-12 * radial.power.max()
         q = radial.q[nonzero]
         data = data.assign_coords(wavevector=q).assign(power_spectrum=("wavevector", radial.power[nonzero]))

@@ -100,7 +100,7 @@ class Surface:
     @property
     def spectrum(self) -> xr.DataArray:
         """C(q) [m^4] of the heights, averaged over directions, over |q| [1/m]; 0 where there is no wave."""
-        radial = radial_spectrum(self.field)
+        radial = radial_spectrum(self.field, band=surfaces.band_of(self.table))
         power = np.where(radial.power > _ROUNDING * radial.power.max(), radial.power, 0.0)
         q = ("wavevector", radial.q, {"units": "1/m", "long_name": "wave number |q|"})
         about = {"units": "m^4", "long_name": "power spectrum C(q)"}

@@ -81,6 +81,15 @@ def spectrum_of(surface: RandomSurface) -> AnySpectrum:
     )
 
 
+def band_of(surface: Surface) -> Pair:
+    """Least and largest |q| [1/m] of the waves that a surface is made of; a measured one may have any."""
+    if isinstance(surface, FileSurface):
+        return 0.0, math.inf
+    longest = surface.lambda_long * (getattr(surface, "stretch", None) or 1.0)
+    sharp = getattr(surface, "rolloff", "sharp") == "sharp"
+    return 2 * math.pi / longest if sharp else 0.0, 2 * math.pi / surface.lambda_short
+
+
 def read_spectrum(path: Path, *, units: Pair | None = None, power: str = "C") -> tuple[Tabulated, str]:
     """Return C(q) of a file where it is above 0, and the SHA-256 of its bytes.
 
