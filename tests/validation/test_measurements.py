@@ -157,3 +157,9 @@ def test_both_sides_of_a_grid_count_and_are_named():
     assert press.prefix == "bem-24x16"
     assert press.label == "BEM 24 x 16"
     assert press.describe() == "BEM 24x16, shift (0.25, 0.5)"
+
+
+def test_half_the_spacing_deserves_an_eighth_of_the_tolerance_down_to_the_least():
+    # PRESSED has eight shortest waves side by side: 2 to 512 points on each.
+    found = [measurement.grid_tolerance(PRESSED, [(n, n), (8, 8)]) for n in (16, 64, 128, 256, 4096)]
+    assert_allclose(found, [1e-5, 1e-5, 1e-5 / 8, 1e-5 / 64, 1e-8], rtol=1e-9)

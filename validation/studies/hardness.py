@@ -111,7 +111,7 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
             problem = base_case(surface, pressure=case.reduced_pressure * unit)
             solves[case, k] = tuple(
                 Press(method="bem", grid=(n, n), problem=problem, **how)
-                for n in (options.ladder if case.varied else options.ladder[-1:])
+                for n in (options.ladder if case.varied else [max(options.ladder)])
             )
     solved = bench.solve([solve for several in solves.values() for solve in several])
     areas = {(c, k): _areas(several, solved) for (c, k), several in solves.items() if c.varied}
