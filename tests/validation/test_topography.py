@@ -202,11 +202,12 @@ def test_holes_are_refused_or_filled_by_choice():
     assert error["harmonic"] < error["nearest"]
 
 
-def test_the_membrane_continues_a_plane_exactly():
+@pytest.mark.parametrize("hole", [np.s_[3:7, 4:9], np.s_[5, 5]], ids=["patch", "point"])
+def test_the_membrane_continues_a_plane_exactly(hole):
     x = np.arange(12.0)
     plane = 2 * x[:, None] - x[None, :]
     holed = plane.copy()
-    holed[3:7, 4:9] = np.nan
+    holed[hole] = np.nan
     found = square(holed, 1.0).filled("harmonic").heights
     assert_allclose(found, plane, atol=1e-12 * 20)
 
