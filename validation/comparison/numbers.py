@@ -33,7 +33,7 @@ from validation.scenes.tables import Load
 from validation.solvers import find_method
 from validation.solvers.theory import predict
 
-_TOO_FEW = "it needs two resolved grids of boundary elements with square cells, or three solves on two grids"
+_TOO_FEW = "it needs two resolved grids"
 _ABSENT = {"theory": "it is simulated"}
 _HALF_SPACE = {**_ABSENT, "depth": "boundary elements press a half-space"}
 #: Within which relative distance from the limit the cheapest solve is looked for.

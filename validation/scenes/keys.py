@@ -11,6 +11,7 @@ from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
 from validation.effects import effect_kinds
+from validation.report.quantities import table_row
 from validation.scenes.tables import QUANTITIES, SURFACES, Ensemble, Load, RunOptions, SolidSpec, Title
 from validation.solvers import methods
 from validation.units import choices_of, example_of, unit_of
@@ -115,6 +116,6 @@ def scene_page() -> str:
         for name, info in table.model_fields.items():
             if name != "kind":
                 cells = f"`{name}`", *_facts(info), f"`{name} = {example_of(info)}`"
-                lines.append(f"| {' | '.join(cells)} |")
+                lines.append(table_row(*cells))
         lines.append("")
     return "\n".join(lines) + _SWEEP
