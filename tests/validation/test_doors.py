@@ -141,6 +141,7 @@ def test_a_notebook_and_a_run_have_the_same_record(doors):
         assert (value.value, value.error, value.unit) == (of_run.item(), error, of_run.attrs["units"])
     assert contact.theory.area == run.area_persson_own.item()
     np.testing.assert_array_equal(contact.to_xarray().pressure, contact.result.pressure)
+    np.testing.assert_array_equal(said(scene)["surface"].heights(grids[0]), contact.result.heights)
     findings = json.loads((doors / "run" / "summary.json").read_text())["findings"]
     written = {record["text"] for record in findings}
     assert {text for text in written ^ set(pressed.findings) if "cheapest" not in text} == set()
