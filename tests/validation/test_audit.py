@@ -188,10 +188,13 @@ def test_residuals_under_a_law_that_is_not_read_are_listed(audited):
     assert "residual, tension" not in {entry.name for entry in ledger.entries}
 
 
-def test_where_no_grid_resolves_the_surface_all_count(audited):
-    coarse = (f"{GRIDS}\nshifts = 2", "grids = [6, 8]\nunder_resolved = true")
+@pytest.mark.parametrize("grids", ["[6, 8]", "[6, 8, 24, 32]"])
+def test_where_no_grid_resolves_the_surface_all_count_and_else_those_that_do(audited, grids):
+    coarse = (f"{GRIDS}\nshifts = 2", f"grids = {grids}\nunder_resolved = true")
     ledger = audited(coarse)
-    assert {"area_own", "resolved of 8 x 8"} <= {entry.name.removeprefix("bem ") for entry in ledger.entries}
+    names = {entry.name.removeprefix("bem ") for entry in ledger.entries}
+    assert {"area_own", "resolved of 8 x 8"} <= names
+    assert any(name.startswith("mean_gap_error") for name in names)
 
 
 def test_an_infinite_conductance_is_nothing_in_json(audited):

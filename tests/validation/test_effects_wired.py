@@ -7,7 +7,7 @@ import tomllib
 import numpy as np
 import pytest
 from pydantic import TypeAdapter
-from small_scene import ONE_BODY
+from small_scene import ONE_BODY, ensemble
 
 from fem_contact import BondedLayer, HalfSpace, Solid, bem
 from validation.comparison.explain import explain
@@ -144,6 +144,7 @@ def test_a_plain_solve_keeps_its_name_and_an_effect_changes_it(with_effects):
         ((LAYER,), {"theory": True}, r"'thickness': method 'theory'"),
         ((HARD.replace("40 kPa", "9 kPa"),), {}, r"\[\[effects\]\] 1 hardness = 9 kPa: must not be below"),
         ((STICKY.replace("40 nm", "2 nm"),), {}, r"\[\[effects\]\] 1 reach = 2 nm: grid \[12, 8\] has"),
+        ((STICKY, ensemble(2, "[8, 24]")), {}, r"\[\[effects\]\] 1 reach = 40 nm: grid \[8, 8\] has"),
         ((LAYER,), {"fem": True}, r"methods\.fem\.depth: \[\[effects\]\] 1 thickness says the depth"),
         (
             (LAYER + 'base = "frictionless"\n',),

@@ -227,7 +227,11 @@ def test_a_list_of_no_case_says_none():
 def test_what_grids_miss_at_random_averages_over_surfaces_and_what_drifts_with_them_does_not():
     each = xr.Dataset({"kappa_each": ("surface", [2.0] * 4), "kappa_each_drift": ("surface", [0.08] * 4)})
     kappa = mean(claim(each, "kappa_each", grid=0.12), "kappa")
-    assert float(kappa.kappa_error.sel(source="grid")) == pytest.approx(np.hypot(0.12 / 2, 0.08), rel=1e-12)
+    left = (0.12 / 2, 0.08, 0.08 / 2)
+    assert float(kappa.kappa_error.sel(source="grid")) == pytest.approx(np.linalg.norm(left), rel=1e-12)
+    # Of either sign they cancel by chance alone.
+    of_either = each.assign(kappa_each_drift=("surface", [0.08, -0.08, -0.08, 0.08]))
+    assert float(mean(of_either, "kappa").kappa_error.sel(source="grid")) == pytest.approx(0.04, rel=1e-12)
     # What does not enter a number does not enter their mean.
     exact = dict.fromkeys(SOURCES[2:], "it has none")
     whole = mean(claim(each.drop_vars("kappa_each_drift"), "kappa_each", grid=0.12, **exact), "kappa")

@@ -116,7 +116,8 @@ def _mean_errors(result: Result, variable: xr.Variable) -> dict[str, Array]:
         found |= {source: _mean_there(each[k], there) for k, source in enumerate(SOURCES) if k > 1}
         grid = _mean_there(each[SOURCES.index("grid")] ** 2, there) / fewer
     if drift is not None:
-        grid = grid + _mean_there(np.broadcast_to(ordered(drift, dims), values.shape), there) ** 2
+        steps = np.broadcast_to(ordered(drift, dims), values.shape)
+        grid = grid + _mean_there(steps, there) ** 2 + _mean_there(steps**2, there) / there.sum(axis=-1)
     return found if error is drift is None else {**found, "grid": np.sqrt(grid)}
 
 

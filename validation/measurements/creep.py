@@ -71,12 +71,12 @@ def creeps(
 def crept_of(measured: xr.Dataset, solve: Call) -> xr.Dataset:
     """Reduce what one of `creeps` left to (phase, instant) on its finest grid, its step from the grid before, and theory.
 
-    Held, both contacts are one: what they differ by is the error of the steps in time.
+    Held, both contacts are one: the most that they differ by is the error of the steps in time.
     """
     fine, before = (measured.isel(grid=k) for k in (-1, -2))
     numbers: dict[str, Any] = {f"{name}_each": fine[name] for name in measured.data_vars}
     numbers |= {f"{name}_each_drift": fine[name] - before[name] for name in measured.data_vars}
-    steps = abs(fine.area - fine.area_crept).isel(phase=0, drop=True)
+    steps = abs(fine.area - fine.area_crept).isel(phase=0, drop=True).max("instant")
     numbers["area_each_error"] = error_of(fine.area, grid=0.0, solver=steps, **ABSENT)
     theory = _theory(solve["problem"], solve["rubber"], np.array(solve["durations"]), solve["load_left"])
     numbers |= {f"{name}_each": (("phase", "instant"), area) for name, area in theory.items()}

@@ -28,7 +28,7 @@ from validation.scenes.scene import EffectSpec
 
 #: Pairs of a first look, by the grid they end with, which then grow by blocks of the same size; and how often the
 #: numbers are chosen anew from what was found.
-_FIRST, _ROUNDS = (16, 6, 2), 8
+_FIRST, _ROUNDS = (16, 6, 4), 8
 #: Pairs that are not solved, of a first look.
 _FIRST_UNSOLVED = 64
 #: Between the first surfaces that end with different grids, and the first that are not solved.

@@ -66,7 +66,7 @@ def stiffness_of(measured: xr.Dataset, problem: ContactProblem) -> xr.Dataset:
     kind="LeakMeasurement",
     words="leak",
     located=True,
-    version=2,
+    version=3,
     # Some seven problems for each area and threshold.
     seconds=lambda points, areas: 7 * (len(areas) + 4) * (2e-3 + 2e-6 * points),
     bytes=2000,
@@ -94,6 +94,7 @@ def leaks(*, problem: ContactProblem, grid: Grid, areas: tuple[float, ...]) -> x
     height = problem.field.rms_height
     gaps = [gap_distribution(contact, GAP_EDGES * height).density * height for contact in contacts]
     loads = [contact.mean_pressure / problem.pressure_scale for contact in contacts]
+    counted = [float(np.mean(contact.in_contact)) for contact in contacts]
     thresholds = {
         name: ("axis", [threshold_area(open_at(axis)) for axis in ("x", "y")])
         for name, open_at in (("contact_threshold", contact_is_apart), ("gap_threshold", gap_is_open))
@@ -101,7 +102,8 @@ def leaks(*, problem: ContactProblem, grid: Grid, areas: tuple[float, ...]) -> x
     return xr.Dataset(
         {name: (("area", "axis"), [[along[name] for along in row] for row in flows]) for name in flows[0][0]}
         | thresholds
-        | {"reduced_pressure": ("area", loads), "gap_density": (("area", "gap_bin"), gaps)},
+        | {"reduced_pressure": ("area", loads), "counted": ("area", counted)}
+        | {"gap_density": (("area", "gap_bin"), gaps)},
         coords={"area": list(areas), "axis": ["x", "y"]},
     )
 
@@ -141,9 +143,14 @@ def flow_of(measured: xr.Dataset, problem: ContactProblem) -> xr.Dataset:
         for name, ratio in GAP_THEORIES.items()
     }
     for end, density in densities.items():
+        share = density * width
         numbers[f"gap_density{end}_each"] = density
-        numbers[f"gap_share{end}_each"] = (density * width).cumsum("gap_bin")
-        numbers[f"gap_narrow{end}_each"] = (density * width).where(narrow).sum("gap_bin")
+        numbers[f"gap_share{end}_each"] = share.cumsum("gap_bin")
+        numbers[f"gap_narrow{end}_each"] = share.where(narrow).sum("gap_bin")
+    # What counts as contact but lies beyond the located edge is a narrow gap.
+    edge = data.counted - data.located.mean("axis")
+    for name in ("gap_share_each", "gap_narrow_each"):
+        numbers[name] = numbers[name] + edge
     middle = {"local_gap": ("gap_bin", (GAP_EDGES[1:] + GAP_EDGES[:-1]) / 2)}
     numbers["reduced_pressure_each"] = data.reduced_pressure
     return xr.Dataset(numbers).assign_coords(middle)

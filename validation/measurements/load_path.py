@@ -77,10 +77,11 @@ def moved_shares(data: xr.Dataset) -> xr.Dataset:
     data = data.assign(made).assign_attrs(reference_load=reference)
     for name in SHARES:
         value = data[f"moved_{name}"]
-        # A bootstrap interval need not hold the value itself, which is the least of its kind.
+        # A bootstrap interval need not hold the value itself, nor 0, which a distance is never below.
         low = (value - data[f"moved_{name}_lower"]).clip(0.0)
         high = (data[f"moved_{name}_upper"] - value).clip(0.0)
-        data[f"moved_{name}_error"] = error_of(value, surfaces=low.where(low > high, high))
+        half = np.maximum(np.maximum(low, high), data[f"moved_{name}_noise"])
+        data[f"moved_{name}_error"] = error_of(value, surfaces=half.where(value > 0, 0.0))
         data[f"moved_{name}_beyond_error"] = error_of(value, surfaces=low)
     return data
 

@@ -286,9 +286,10 @@ def mean(
     """Add means over surfaces: ``x`` from ``x_each``, with Student's 95 % interval and what the grids leave.
 
     Errors of single surfaces that are independent (``x_each_error`` of the grid) shrink like the root of
-    their number, unless the grids are off to the same side on all surfaces (`alike`); drifts, with their
-    sign, and errors of all other sources do not. With `pairs` surfaces 2k and 2k + 1 are +h and -h:
-    anti-correlated, and one sample together. Places that were never solved (`solved_places`) are no samples;
+    their number, unless the grids are off to the same side on all surfaces (`alike`); errors of other
+    sources do not. Of drifts the mean counts, with its sign, and the error that it has by their size. With
+    `pairs` surfaces 2k and 2k + 1 are +h and -h: anti-correlated, and one sample together. Places that were
+    never solved (`solved_places`) are no samples;
     one that was solved and has no value leaves the mean without one.
     """
     added: dict[str, xr.DataArray] = {}
@@ -306,7 +307,10 @@ def mean(
             sources |= {source: _mean(of_each[source], axis, solved) for source in SOURCES[2:]}
         drift = optional(data, f"{name}_each_drift")
         if drift is not None:
-            moved = _mean(_alike(drift, values), axis, solved)
+            moved = _alike(drift, values)
+            # Drifts of either sign that cancel by chance are no smaller for it.
+            scattered = (_mean(moved**2, axis, solved) / solved.sum(axis)) ** 0.5
+            moved = np.hypot(_mean(moved, axis, solved), scattered)
             sources["grid"] = np.hypot(sources.get("grid", 0.0), moved)
         made: dict[str, Any] = {"reduction": "mean", "of": f"{name}_each", "over": over}
         made |= {"pairs": int(pairs), "alike": int(alike)}
