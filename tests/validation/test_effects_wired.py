@@ -144,7 +144,11 @@ def test_a_plain_solve_keeps_its_name_and_an_effect_changes_it(with_effects):
         ((LAYER,), {"theory": True}, r"'thickness': method 'theory'"),
         ((HARD.replace("40 kPa", "9 kPa"),), {}, r"\[\[effects\]\] 1 hardness = 9 kPa: must not be below"),
         ((STICKY.replace("40 nm", "2 nm"),), {}, r"\[\[effects\]\] 1 reach = 2 nm: grid \[12, 8\] has"),
-        ((STICKY, ensemble(2, "[8, 24]")), {}, r"\[\[effects\]\] 1 reach = 40 nm: grid \[8, 8\] has"),
+        (
+            (STICKY.replace("40 nm", "34 nm"), ensemble(2, "[10, 24]")),
+            {},
+            r"\[\[effects\]\] 1 reach = 34 nm: grid \[10, 10\] has",
+        ),
         ((LAYER,), {"fem": True}, r"methods\.fem\.depth: \[\[effects\]\] 1 thickness says the depth"),
         (
             (LAYER + 'base = "frictionless"\n',),
