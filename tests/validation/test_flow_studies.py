@@ -61,7 +61,8 @@ def test_a_planted_power_and_a_planted_theory_are_found_again():
     )
     assert_allclose(data.stiffness[0], 2.0 * loads**-0.25 + 0.3 / fine, rtol=1e-12)
     grid = data.stiffness_error.sel(source="grid")[0]
-    assert_allclose(grid, 0.3 / coarse - 0.3 / fine, rtol=1e-9)
+    # All three surfaces drift alike; the error that their mean has by its size is part of it.
+    assert_allclose(grid, (0.3 / coarse - 0.3 / fine) * (1 + 1 / 3) ** 0.5, rtol=1e-9)
     assert_allclose(data.gap, 0.5, rtol=1e-12)
     ratio = data.stiffness_persson_each / data.stiffness_each
     assert_allclose(data.stiffness_ratio_persson, ratio.mean("surface"), rtol=1e-12)
@@ -153,7 +154,10 @@ def test_gaps_and_contact_share_the_area_and_narrow_gaps_are_those_of_the_state(
     )
     narrow = GAP_EDGES[1:] < 0.1001
     found = float((data.gap_density_each[0, 1, 1] * np.diff(GAP_EDGES))[narrow].sum())
-    assert float(data.gap_narrow_each[0, 1, 1]) == pytest.approx(found, rel=1e-12)
+    # What counts as contact beyond the located edge is narrow, too.
+    edge = float(state.in_contact.mean() - data.area_located_each[0, 1, 1])
+    assert edge > 0.005
+    assert float(data.gap_narrow_each[0, 1, 1]) == pytest.approx(found + edge, rel=1e-9)
     gaps = state.gap[~state.in_contact]
     assert found == pytest.approx(np.sum(gaps < 0.1 * case.field.rms_height) / state.gap.size, abs=2e-3)
 
@@ -177,7 +181,8 @@ def reduced(gap_density, thresholds=(0.3, 0.4, 0.5)):
         return xr.Dataset(
             flow
             | {"contact_threshold": ("axis", [0.3, 0.3]), "gap_threshold": ("axis", [mine, mine])}
-            | {"reduced_pressure": ("area", [0.05, 0.1]), "gap_density": (("area", "gap_bin"), density)},
+            | {"reduced_pressure": ("area", [0.05, 0.1]), "counted": ("area", [0.51, 0.51])}
+            | {"gap_density": (("area", "gap_bin"), density)},
             coords={"area": list(solve["areas"]), "axis": ["x", "y"]},
         )
 
@@ -188,10 +193,10 @@ FLOW = ("located", "conductance", "closed", "effective_medium", "constriction", 
 
 
 def test_a_planted_share_of_narrow_gaps_and_its_distance_to_the_theory_are_found():
-    data = reduced(0.2)
-    assert_allclose(data.gap_narrow, 0.02, rtol=1e-9)
+    data = reduced(0.2)  # and 0.01 counts as contact beyond the located edge
+    assert_allclose(data.gap_narrow, 0.03, rtol=1e-9)
     theory = data.gap_density_persson_each.mean("surface").values
-    apart = np.abs(np.cumsum((theory - 0.2) * np.diff(GAP_EDGES), axis=-1)).max(axis=-1)
+    apart = np.abs(np.cumsum((theory - 0.2) * np.diff(GAP_EDGES), axis=-1) - 0.01).max(axis=-1)
     assert_allclose(data.gap_distance_persson, apart, rtol=1e-9)
     assert leak.views(data).findings[-2].outcomes == ("-", "-")
 

@@ -314,7 +314,8 @@ def test_adhesion_adds_the_scatter_of_its_surfaces_to_the_step_of_their_grids(si
     assert_allclose(data.area, 0.5, rtol=1e-12)
     assert_allclose(data.area_gain, 1.25, rtol=1e-12)
     error = data.area_error
-    assert_allclose(error.sel(source="grid"), 0.3 / 48, rtol=1e-9)
+    # Alike on all three surfaces, with the error that the mean of three such drifts has.
+    assert_allclose(error.sel(source="grid"), 0.3 / 48 * (1 + 1 / 3) ** 0.5, rtol=1e-9)
     # What is off by the same share with and without adhesion does not enter their ratio.
     assert_allclose(data.area_gain_error.sel(source="surfaces"), 0.0, atol=1e-12)
 

@@ -80,7 +80,8 @@ def moved_shares(data: xr.Dataset) -> xr.Dataset:
         # A bootstrap interval need not hold the value itself, nor 0, which a distance is never below.
         low = (value - data[f"moved_{name}_lower"]).clip(0.0)
         high = (data[f"moved_{name}_upper"] - value).clip(0.0)
-        half = np.maximum(np.maximum(low, high), data[f"moved_{name}_noise"])
+        half, noise = low.where(low > high, high), data[f"moved_{name}_noise"]
+        half = half.where(half > noise, noise)
         data[f"moved_{name}_error"] = error_of(value, surfaces=half.where(value > 0, 0.0))
         data[f"moved_{name}_beyond_error"] = error_of(value, surfaces=low)
     return data
