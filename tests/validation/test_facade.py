@@ -13,7 +13,7 @@ from refusing import refused
 import fem_contact
 import persson
 import validation
-from fem_contact import HalfSpace, HeightField, Solid, contact_areas
+from fem_contact import HalfSpace, HeightField, Solid, contact_areas, open_gap
 from fem_contact.area import EDGE_CONSTANTS
 from validation import measured, press, self_affine, table, theory
 from validation.errors import NoLimit, UsageError
@@ -101,7 +101,7 @@ def test_a_figure_goes_into_axes_that_are_there():
     gap = CONTACT.plot("gap", ax=axes[0])
     CONTACT.plot("grids", ax=axes[1])
     assert gap.figure is figure
-    assert_array_equal(gap.data.gap_map.values, CONTACT.result.gap)
+    assert_array_equal(gap.data.gap_map.values, open_gap(CONTACT.result))
     assert axes[1].get_legend() is not None
 
 
@@ -210,7 +210,7 @@ def test_several_grids_give_every_number_its_error():
     assert row.area_error[0] == fine.area.error
     assert row.kappa_error[0] == fine.kappa.error
     assert np.isnan(row.area_error[1])
-    assert f"A/A0 = {CONTACT.areas().perimeter:.4g} corrected at its edge (counted" in repr(CONTACT)
+    assert f"A/A0 = {CONTACT.area} (BEM, one grid, edge located inside the cells" in repr(CONTACT)
     assert "A/A0, own" not in fine.limit()._repr_html_()
     assert fine.mean_gap._repr_html_().count("nm") == 1
 

@@ -80,7 +80,8 @@ def test_scatter_between_surfaces_and_the_step_between_grids_widen_the_interval_
     assert float(found.area_finite_crossing_lower[1]) == pytest.approx(0.5 / (1 + half))
     assert float(found.area_finite_crossing_upper[1]) == pytest.approx(0.5 / (1 - half))
     coarse = planted(0.1, grid=0.2).isel(nu=0, load=0)
-    assert float(coarse.area_finite_crossing_lower[1]) == pytest.approx(0.5 / 1.2)
+    # All four drift alike, by 0.2, with the error that their mean has by that size.
+    assert float(coarse.area_finite_crossing_lower[1]) == pytest.approx(0.5 / (1 + 0.2 * (1 + 1 / 4) ** 0.5))
 
 
 def test_paths_that_end_are_counted_and_their_slopes_left_out_for_all():
