@@ -32,12 +32,12 @@ _NUMBERS = (
     *("rms_height", "rms_height_spectrum", "rms_gradient", "rms_gradient_spectrum", "nayak"),
     *STATISTICS,
 )
-_NOTE = "Of the scene's own surface, on the finest grid that resolves it. What follows from fields has an "
-_NOTE += "interval of Student's, from how far coarser grids are from it, times (dx/dx_coarse)^(3/2), of the "
-_NOTE += (
+_NOTE = (
+    "Of the scene's own surface, on the finest grid that resolves it. What follows from fields has an "
+    "interval of Student's, from how far coarser grids are from it, times (dx/dx_coarse)^(3/2), of the "
     "largest pressure and patches dx/dx_coarse. A/A0, conductances and leaks are means over the surfaces "
+    "of an ensemble."
 )
-_NOTE += "of an ensemble."
 _GRID_ROWS = ("solver", "grid")
 #: Questions that cards of runs, sweeps and the theory alone answer.
 HOW_LARGE, HOW_YIELDED = "How large is the contact? A/A0", "How much has yielded? A_pl/A0"
