@@ -6,7 +6,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from fem_contact._checks import choice, instance, within
+from fem_contact._checks import choice, instance, non_negative, pair, within
 from fem_contact._types import Array, Lengths, Numbers, Shape
 from fem_contact.errors import InvalidInput
 from fem_contact.surface.heights import HeightField, Patch, checked_shape, interpolant
@@ -99,7 +99,7 @@ def measured_lay(surface: HeightField) -> Lay:
     return Lay(along=float(smooth), across=float(steep), direction=float(np.arctan2(y, x)))
 
 
-def radial_spectrum(surface: HeightField, *, band: tuple[float, float] = (0.0, np.inf)) -> RadialSpectrum:
+def radial_spectrum(surface: HeightField, *, band: tuple[float, float] | None = None) -> RadialSpectrum:
     """Measure C(q) of a periodic surface, averaged over rings one fundamental wavevector wide.
 
     Convention as in Persson 2006, <h^2> = 2 pi int q C dq; multiply by (2 pi)^2 for the areal PSD of other
@@ -109,15 +109,22 @@ def radial_spectrum(surface: HeightField, *, band: tuple[float, float] = (0.0, n
     ----------
     surface : HeightField
     band : tuple of float, optional
-        Least and largest |q| [1/m] of the waves that count. Rings at the cut-offs of a surface that is made
-        of such waves hold others, too, which carry nothing.
+        Least and largest |q| [1/m] of the waves that count, if not all. Rings at the cut-offs of a surface
+        that is made of such waves hold others, too, which carry nothing.
+
+    Raises
+    ------
+    InvalidInput
+        For a band that is no pair of wavevectors.
     """
     instance("surface", surface, HeightField)
+    what = "a pair of wavevectors (least, largest) in 1/m"
+    low, high = (0.0, np.inf) if band is None else pair("band", band, non_negative, what=what)
     qx, qy, coefficients = interpolant(surface)
     q = np.hypot(qx[:, None], qy[None, :])
     unit = 2 * np.pi / min(surface.lengths)
     # A wave at a cut-off is in the band, whatever its last digit.
-    inside = (q >= band[0] * (1 - 1e-9)) & (q <= band[1] * (1 + 1e-9))
+    inside = (q >= low * (1 - 1e-9)) & (q <= high * (1 + 1e-9))
     ring = np.rint(q[inside] / unit).astype(np.int64)
     count = np.bincount(ring)
     cell = (2 * np.pi) ** 2 / (surface.lengths[0] * surface.lengths[1])

@@ -281,3 +281,5 @@ def test_rings_at_a_cut_off_are_means_over_the_waves_that_a_surface_is_made_of()
     assert_allclose(inside.power, inside.q**-3.6, rtol=0.03)
     np.testing.assert_array_equal(np.rint(inside.q / (2 * np.pi)), [4, 5, 6, 7, 8])
     assert whole.power[7] < 0.7 * whole.q[7] ** -3.6
+    with pytest.raises(InvalidInput, match="band = 3: must be a pair of wavevectors"):
+        radial_spectrum(surface, band=3)

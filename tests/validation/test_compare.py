@@ -91,6 +91,15 @@ def test_whether_results_differ_is_decided_by_the_intervals_of_both(error, outco
     assert [one.outcomes for one in found] == [(outcome,)]
 
 
+def test_what_rounding_leaves_is_no_difference_and_what_is_unknown_or_endless_stays_so():
+    pair = {"a": _planted([0.1, 0.2], 0.0), "b": _planted([0.1 * (1 + 2e-16), np.nan], 0.0)}
+    np.testing.assert_array_equal(side_by_side(pair).area_apart.sel(result="b"), [0.0, np.nan])
+    pair["b"] = _planted([np.inf, 0.2 * (1 + 1e-9)], 0.0)
+    far, near = side_by_side(pair).area_apart.sel(result="b").values
+    assert far == np.inf
+    assert near == pytest.approx(2e-10, rel=1e-3)
+
+
 def test_all_that_was_asked_otherwise_is_named_with_its_value_in_each():
     yields, layers = {"kind": "hardness", "hardness": 1e9}, {"kind": "thickness", "thickness": 1e-6}
     asked = [[yields], [yields | {"hardness": 2e9}, layers], []]

@@ -182,10 +182,9 @@ def side_by_side(results: Mapping[str, Result]) -> xr.Dataset:
     beside = {f"{name}_first": first[name] for name in values}
     beside |= {f"{name}_first_error": first[f"{name}_error"] for name in errors}
     made = derive(known.assign(beside), **{f"{name}_apart": f"{name} - {name}_first" for name in values})
-    for name in values:  # what rounding leaves of a difference is none
-        made[f"{name}_apart"] = made[f"{name}_apart"].where(
-            abs(made[f"{name}_apart"]) > 1e-12 * abs(made[name]), 0.0
-        )
+    for name in values:  # What rounding leaves of a difference is none; unknown and endless ones stay.
+        difference = made[f"{name}_apart"]
+        made[f"{name}_apart"] = difference.where(~(abs(difference) < 1e-12 * abs(made[name])), 0.0)
     # The first is no further from itself than nothing.
     apart = [name for name in made.data_vars if name not in data and name not in beside]
     return labelled(data.assign(made[apart].where(made.result != made.result[0], 0.0)))

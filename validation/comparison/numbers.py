@@ -391,32 +391,29 @@ def in_numbers(data: xr.Dataset, case: Case) -> xr.Dataset:
     from fem_contact.patches import find_patches
 
     solves, height = case.ladder(case.own[0].solve.method), case.problem.field.rms_height
-    results = [case.results[solve] for solve in solves]
-    rows = [
-        {
+    rows = []
+    for solve in solves:  # whose fields are read one after the other
+        result = case.results[solve]
+        row = {
             "mean_gap": result.mean_gap,
             "approach": -result.offset,
             "largest_pressure": float(result.pressure.max()),
             "patches": float(find_patches(result.in_contact, result.spacing).count),
         }
-        for result in results
-    ]
-    last, result = solves[-1], results[-1]
-    some = result.in_contact.any() and not result.in_contact.all()
-    # The stiffness of a contact set is exact where points weigh alike on an elastic response.
-    if some and result.weights is None and not is_adhesive(last.effects) and not last.solver.sinks:
-        for row, result in zip(rows, results, strict=True):
-            stiffness = frozen_contact(result, last.response, tolerance=1e-6).stiffness
+        some = result.in_contact.any() and not result.in_contact.all()
+        # The stiffness of a contact set is exact where points weigh alike on an elastic response.
+        if some and result.weights is None and not is_adhesive(solve.effects) and not solve.solver.sinks:
+            stiffness = frozen_contact(result, solve.response, tolerance=1e-6).stiffness
             row["stiffness"] = stiffness * height / result.mean_pressure
-    if "area_plastic_pixel" in data:
-        for row, solve in zip(rows, solves, strict=True):
+        if "area_plastic_pixel" in data:
             at = {"solver": solve.method, "grid": grid_name(solve.grid)}
             row["area_plastic"] = float(data.area_plastic_pixel.sel(at))
+        rows.append(row)
     spacing = [1 / case.problem.points_per_wave(solve.grid) for solve in solves]
     for name, value in rows[-1].items():
         data[name] = xr.DataArray(value)
         power = 1.0 if name in ("largest_pressure", "patches") else 1.5
-        half = finest_error([row[name] for row in rows], spacing, power=power)
+        half = finest_error([row.get(name, math.nan) for row in rows], spacing, power=power)
         data[f"{name}_error"] = error_of(data[name], grid=half, **_ABSENT)
     if height > 0:
         data = derive(data, gap="mean_gap / rms_height")

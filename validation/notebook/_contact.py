@@ -13,7 +13,6 @@ import xarray as xr
 
 from fem_contact.area import ContactAreas, contact_areas
 from fem_contact.contact import ContactResult
-from fem_contact.leak import open_gap
 from validation.comparison import fields, run_views
 from validation.comparison.numbers import scene_data
 from validation.comparison.reductions import DIFFERENCES, grid_name
@@ -225,6 +224,8 @@ class Contact:
                 data = labelled(fields.with_maps(self.data, own))
                 return draw(run_views.maps_figure(data), data, axes=ax)
             case "gap":
+                from fem_contact.leak import open_gap
+
                 data = on_places(self.data, self.result.spacing, gap_map=open_gap(self.result))
                 return draw(map_of("gap_map", "Gap between the surfaces."), data, axes=ax)
             case "distribution":

@@ -81,10 +81,10 @@ def spectrum_of(surface: RandomSurface) -> AnySpectrum:
     )
 
 
-def band_of(surface: Surface) -> Pair:
-    """Least and largest |q| [1/m] of the waves that a surface is made of; a measured one may have any."""
+def band_of(surface: Surface) -> Pair | None:
+    """Least and largest |q| [1/m] of the waves that a surface is made of; None if it was measured."""
     if isinstance(surface, FileSurface):
-        return 0.0, math.inf
+        return None
     longest = surface.lambda_long * (getattr(surface, "stretch", None) or 1.0)
     sharp = getattr(surface, "rolloff", "sharp") == "sharp"
     return 2 * math.pi / longest if sharp else 0.0, 2 * math.pi / surface.lambda_short
