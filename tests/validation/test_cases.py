@@ -12,7 +12,7 @@ import pytest
 from gold import write_lines
 
 from validation import cases
-from validation.cases import Case, all_cases, below, chosen_cases, relative, run_cases, within
+from validation.cases import Case, all_cases, below, chosen_cases, order, relative, run_cases, within
 from validation.cases._closed_forms import HertzInPeriod, Westergaard
 from validation.errors import UsageError
 
@@ -87,6 +87,15 @@ def test_a_check_passes_within_its_tolerance_and_never_on_nan(check, passed):
 
 def _raises():
     raise RuntimeError("broken")
+
+
+def test_errors_of_which_one_is_none_have_no_order():
+    falling = order("x", [1, 2, 4], [0.16, 0.04, 0.01], expected=2.0, tolerance=0.01)
+    assert (falling.passed, falling.computed) == (True, pytest.approx(2.0))
+    for errors in ([0.16, 0.04, 0.0], [0.16, 0.04, -0.01]):
+        found = order("x", [1, 2, 4], errors, expected=2.0, tolerance=0.01)
+        assert np.isnan(found.computed)
+        assert not found.passed
 
 
 def test_a_case_that_raises_or_checks_nothing_has_failed_and_the_others_go_on():

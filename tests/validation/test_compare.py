@@ -7,15 +7,16 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import scipy.stats
 import xarray as xr
 from commanding import answer_of, output_of
 
-from validation.comparison.compare import compare_folders, differing, side_by_side
+from validation.comparison.compare import _farthest, compare_folders, differing, side_by_side
 from validation.comparison.run import run_scene, run_sweep
 from validation.errors import UsageError
 from validation.execution.bench import Bench
 from validation.execution.results import Result, read_results
-from validation.report.estimates import total_error
+from validation.report.estimates import NORMAL, SOURCES, claim, mean, total_error
 from validation.scenes.sweep import load_asked
 from validation.studies import find_study
 from validation.studies._outputs import run_study
@@ -89,6 +90,51 @@ def test_whether_results_differ_is_decided_by_the_intervals_of_both(error, outco
     assert data.area_apart.sel(result="b").values == pytest.approx([0, 0.01])
     found = [one for one in _findings(data, differing(pair)) if one.kind == "agreement"]
     assert [one.outcomes for one in found] == [(outcome,)]
+
+
+def test_the_farthest_of_many_places_is_judged_by_the_interval_of_all():
+    plants, places = 400, 8
+    half = np.full((places, 7), np.nan)
+    half[:, 1] = NORMAL * 0.01 / 2**0.5
+    draws = 0.2 + 0.01 / 2**0.5 * np.random.default_rng(5).standard_normal((2, plants, places))
+    coords = {"reduced_pressure": ("load", np.linspace(0.1, 0.2, places)), "source": list(SOURCES)}
+    told = {"scene": {"surface": {"seed": 1}}}
+    falsely = 0
+    for pair in zip(*draws, strict=True):
+        parts = (
+            xr.Dataset({"area": ("load", one), "area_error": (("load", "source"), half)}, coords)
+            for one in pair
+        )
+        data = side_by_side(
+            {
+                str(k): Result(kind="run", name="x", settings=told, store=None, data=d)
+                for k, d in enumerate(parts)
+            }
+        )
+        found = _farthest(data, "area", 1)
+        falsely += found.outcomes == ("differ",)
+        assert "of 8 places" in found.text
+    assert abs(falsely / plants - 0.05) < 3 * (0.05 * 0.95 / plants) ** 0.5
+
+
+@pytest.mark.parametrize("pairs", [False, True])
+def test_means_over_the_same_surfaces_differ_by_what_single_surfaces_do(pairs):
+    rng = np.random.default_rng(6)
+    first = 0.2 + 0.02 * rng.standard_normal(8)
+    second = first + 0.01 + 0.001 * rng.standard_normal(8)
+    results = {}
+    for name, areas in (("a", first), ("b", second)):
+        data = claim(xr.Dataset({"area_each": ("surface", areas)}), "area_each", grid=0.003)
+        data = mean(data, "area", pairs=pairs).assign_coords(surface=range(8))
+        settings = {"scene": {"surface": {"seed": 1}}}
+        results[name] = Result(kind="run", name="x", settings=settings, store=None, data=data)
+    apart = side_by_side(results).isel(result=1)
+    samples = (second - first).reshape(4, 2).mean(1) if pairs else second - first
+    low, high = scipy.stats.ttest_1samp(samples, 0).confidence_interval()
+    assert float(apart.area_apart) == pytest.approx((low + high) / 2)
+    errors = apart.area_apart_error
+    assert float(errors.sel(source="surfaces")) == pytest.approx((high - low) / 2, rel=1e-9)
+    assert float(errors.sel(source="grid")) == pytest.approx(0.003 / 2)  # of 8 and 8 surfaces
 
 
 def test_what_rounding_leaves_is_no_difference_and_what_is_unknown_or_endless_stays_so():

@@ -1,7 +1,5 @@
 """Cases become one dataset, and what is misnamed is refused in a line."""
 
-import types
-
 import numpy as np
 import pytest
 import xarray as xr
@@ -32,7 +30,6 @@ from validation.report.marks import Figure, Line, Panel, draw
 from validation.report.table import Table
 from validation.report.values import value_of
 from validation.scenes.tables import SolidSpec
-from validation.studies import Study, StudyOptions
 
 NUS = (0.0, 0.45)
 
@@ -166,20 +163,6 @@ def test_the_change_of_a_place_with_itself_is_not_determinable():
     assert np.isnan(data.area_change_each.item())
 
 
-SOURCE = """
-def run(options, *, bench):
-    raise AssertionError("solves")
-    derive(data, arrea_each="area_each / 2")
-    mean(data, "area_each")
-    change(data, "kappa_each", along="surface")
-    reduce(data, "rms", "gap_each")
-    same_of_all(data, "energy_each")
-
-def views(data):
-    return Line(y="kapa")
-"""
-
-
 def test_a_change_has_the_errors_of_both_places():
     each = xr.Dataset(
         {"area_each": ("load", [0.5, 0.7, 0.4]), "area_each_drift": ("load", [0.03, 0.0, 0.01])}
@@ -190,19 +173,6 @@ def test_a_change_has_the_errors_of_both_places():
     grid = found.area_change_each_error.sel(source="grid")
     assert float(grid) == pytest.approx(0.8 * np.hypot(0.04 / 0.5, 0.02 / 0.4))
     assert float(found.area_change_each_drift) == pytest.approx((0.41 / 0.53 - 0.39 / 0.47) / 2, rel=2e-2)
-
-
-def test_names_that_are_none_are_refused_before_anything_is_solved(tmp_path):
-    path = tmp_path / "mine.py"
-    path.write_text(SOURCE)
-    module = types.ModuleType("mine")
-    module.__file__ = str(path)
-    with pytest.raises(UsageError) as caught:
-        Study(name="mine", module=module).compute(StudyOptions(), bench=None)
-    told = {5: "mean", 6: "change", 7: "reduce", 8: "same_of_all"}
-    words = [f"line {line}: {what} is told" for line, what in told.items()]
-    for one in (*words, "line 4: 'arrea_each': no such", "line 11: 'kapa': no such"):
-        assert one in str(caught.value)
 
 
 def test_an_interval_names_its_sources_where_not_all_were_measured():

@@ -338,6 +338,6 @@ def test_the_verdict_ranks_planted_two_fifths_behind_what_is_nearer_only_where_i
     assert order.kind == "ranking"
     assert {row["name"].value for row in order.rows} == set(scored.theory.values)
     text = order.values["order"].value
-    wide = scored.assign(area_off_error=scored.area_off_error + 1.0)
+    wide = scored.assign(area_over_error=scored.area_over_error + 9.0)
     assert "<" in text
     assert "<" not in theory_verdict.views(wide).findings[0].values["order"].value

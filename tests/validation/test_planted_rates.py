@@ -7,6 +7,7 @@ import xarray as xr
 from validation.report.estimates import NORMAL, claim, derive, mean, total_error
 from validation.report.findings import KINDS, finding, ranking
 from validation.report.values import Value
+from validation.theories.predicted import COMPARED, distances, ranked
 
 PLANTS, TRUTH = 10_000, 0.3
 
@@ -72,7 +73,26 @@ def test_each_kind_of_finding_turns_at_its_threshold_from_both_sides():
 
 
 @pytest.mark.parametrize(("apart", "sign"), [(0.9, "="), (1.1, "<")])
-def test_what_is_ranked_lies_apart_by_more_than_the_joint_interval(apart, sign):
+def test_what_is_ranked_lies_apart_by_more_than_the_interval_of_the_difference(apart, sign):
     ranked = {"b": Value(value=1 + 0.05 * apart, error=0.04), "a": Value(value=1.0, error=0.03)}
-    words = ranking("{order}", ranked).text.split()
+    words = ranking("{order}", ranked, lambda one, other: {"ab": 0.05}[one + other]).text.split()
     assert (words[0], sign in words, "b" in words) == ("a", True, True)
+
+
+@pytest.mark.parametrize(("logs", "ordered"), [((0.2, -0.2), 0.05), ((0.4, 0.41), 1.0), ((-0.4, -0.41), 1.0)])
+def test_theories_scored_by_one_simulation_are_ordered_by_what_its_error_does_to_both(logs, ordered):
+    plants, error = 400, 0.08
+    orders = [_order(shift, logs, error) for shift in error / NORMAL * normal(7, plants)]
+    share = np.mean(["<" in order for order in orders])
+    # Equally far on opposite sides: as often as intervals may miss. On one side: always, and as planted.
+    assert abs(share - ordered) <= 3 * (ordered * (1 - ordered) / plants) ** 0.5
+    assert ordered < 1 or all(order.startswith("a ") for order in orders)
+
+
+def _order(shift, logs, error):
+    over = np.exp(shift - np.array(logs))[:, None] * np.ones(2)
+    data = xr.Dataset({"area": ("load", [0.1, 0.2])}, coords={"theory": ["a", "b"]})
+    for name in COMPARED:
+        data = data.assign({f"{name}_over": (("theory", "load"), over)})
+        data = claim(data, f"{name}_over", grid=error * data[f"{name}_over"])
+    return ranked("{order}", distances(data), "area").values["order"].value

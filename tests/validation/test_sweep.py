@@ -23,6 +23,7 @@ from validation.errors import RunFailed, SceneError, UsageError
 from validation.execution.bench import Bench
 from validation.execution.press import Press
 from validation.execution.results import read_results
+from validation.report.estimates import total_error
 from validation.report.words import with_error
 from validation.scenes.problem import realise
 from validation.scenes.scene import load_scene, scene_text
@@ -200,6 +201,18 @@ def test_hurst_exponents_have_a_linear_axis_no_power_and_a_pointer_to_the_study(
     student = 4.302652729911275  # two degrees of freedom, 97.5 %
     half = student * data.area_each.std("surface", ddof=1) / 3**0.5
     np.testing.assert_allclose(data.area_error.sel(source="surfaces"), half, rtol=1e-9)
+    # From the first to the last the same surfaces change, one by one.
+    (told,) = [f for f in sweep_views(data).findings if f.by == "change"]
+    ends = [data.isel(hurst=k) for k in (0, -1)]
+    ratio = float(ends[1].area) / float(ends[0].area)
+    left = (ends[1].area_each - ratio * ends[0].area_each) / ends[0].area
+    shares = [float(total_error(end, "area", sources=["grid", "solver"]) / end.area) for end in ends]
+    half = student * float(left.std("surface", ddof=1)) / 3**0.5
+    change = told.values["change"]
+    assert change.value == pytest.approx(ratio - 1)
+    assert change.error == pytest.approx(
+        np.hypot(half, ratio * np.hypot(shares[0] / (1 - shares[0] ** 2), shares[1])), rel=1e-6
+    )
     assert "One surface" not in figure.caption
     drawn = {one.mark.y: one for one in figure.drawn}
     band = drawn["area_lowest"].artist.get_paths()[0].vertices[:, 1]

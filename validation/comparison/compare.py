@@ -6,18 +6,21 @@ Nothing here solves, and nothing but records and datasets is read.
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+import scipy.special
 import xarray as xr
 
 from validation.errors import UsageError
 from validation.execution.outputs import Outputs, leave
 from validation.execution.results import RECORD, Result, read_results, record_of
 from validation.files import prepare_folder
-from validation.report.estimates import derive, each, total_error
+from validation.report.estimates import NORMAL, claim, derive, each, mean, total_error
 from validation.report.findings import Finding, finding, note
 from validation.report.marks import Figure, Line, against
 from validation.report.page import page_of
@@ -36,8 +39,8 @@ _FIELDS = ("x", "y", "shift", "wave", "near", "near_exact", "wide", "wide_exact"
 #: Rows of the page, and of the variables with an interval that have a figure; table.csv has all of them.
 _ROWS, _FIGURES, _FINDINGS = 120, 3, 4
 _JOINT = (
-    "+-: 95 %; that of a difference is the root of the sum of the squares of both, as if they were "
-    "independent: of one and the same surfaces differences are better known than that."
+    "+-: 95 %; that of a difference of means is from surface to surface, and all else as if independent: "
+    "of the same grids differences are better known than that."
 )
 _FIRST = "the first, with which the others are compared"
 #: What is asked for where a load is given in one of these ways, and so is nothing found.
@@ -185,6 +188,14 @@ def side_by_side(results: Mapping[str, Result]) -> xr.Dataset:
     for name in values:  # What rounding leaves of a difference is none; unknown and endless ones stay.
         difference = made[f"{name}_apart"]
         made[f"{name}_apart"] = difference.where(~(abs(difference) < 1e-12 * abs(made[name])), 0.0)
+        how, each_of = data[name].attrs, f"{name}_each_apart"
+        if how.get("reduction") == "mean" and f"{name}_apart_error" in made and each_of in made:
+            # Of the same surfaces the scatter is common; of others the differences scatter as both do.
+            one = made[[each_of]].rename({each_of: "apart_each"})
+            errors = mean(one, "apart", over=how["over"], pairs=bool(how["pairs"])).apart_error
+            half = errors.sel(source="surfaces", drop=True)
+            both = made[f"{name}_apart_error"].sel(source="surfaces", drop=True)
+            made = claim(made, f"{name}_apart", surfaces=half.fillna(both))
     # The first is no further from itself than nothing.
     apart = [name for name in made.data_vars if name not in data and name not in beside]
     return labelled(data.assign(made[apart].where(made.result != made.result[0], 0.0)))
@@ -346,10 +357,15 @@ def _farthest(data: xr.Dataset, name: str, k: int) -> Finding:
         return note("{symbol}: no value in common.", symbol=symbol)
     place, here = max(places, key=errors_apart)
     at = f" ({place})" if place else ""
+    apart = value_of(here.isel(result=k), f"{name}_apart")
+    # The worst of many places is far for an interval of one.
+    most = float(scipy.special.ndtri(1 - 0.025 / len(places))) / NORMAL
     values: dict[str, Any] = {
         "mine": value_of(here.isel(result=k), name),
         "its": value_of(here.isel(result=0), name),
-        "apart": value_of(here.isel(result=k), f"{name}_apart"),
+        "apart": apart,
+        "joint": replace(apart, error=None if apart.error is None else most * apart.error),
+        "places": float(len(places)) if len(places) > 1 else math.nan,
     }
     if values["apart"].value == 0 and all(errors_apart(one)[1] == 0 for one in places):
         return note(
@@ -357,8 +373,9 @@ def _farthest(data: xr.Dataset, name: str, k: int) -> Finding:
         )
     return finding(
         "agreement",
-        "{symbol}{place}: {other} has {mine:p} and {first} {its:p}; they {verdict} (difference {apart:+p}).",
-        by="apart",
+        "{symbol}{place}: {other} has {mine:p} and {first} {its:p}; they {verdict} (difference "
+        "{apart:+p}[, of {places} places the one where it is largest for its interval]).",
+        by="joint",
         symbol=symbol,
         place=at,
         other=other,

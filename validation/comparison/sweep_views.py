@@ -12,7 +12,16 @@ import xarray as xr
 from validation.arrays import Array
 from validation.comparison.run_views import HOW_FAR, HOW_LARGE
 from validation.comparison.treatment import treatment_findings, treatment_table
-from validation.report.estimates import derive, each, mean, power_law, sources_of, total_error
+from validation.report.estimates import (
+    claim,
+    derive,
+    each,
+    mean,
+    power_law,
+    ratio_of_means,
+    sources_of,
+    total_error,
+)
 from validation.report.findings import Finding, finding, note
 from validation.report.marks import Band, Figure, Line, against
 from validation.report.quantities import in_shown_range, place_words, quantity_of
@@ -194,9 +203,15 @@ def _along(data: xr.Dataset, key: str) -> Iterator[Finding]:
     ends = {
         f"{name}_{end}{of}": known[f"{name}{of}"].isel({dim: k}, drop=True).reset_coords(drop=True)
         for end, k in (("start", 0), ("end", -1))
-        for of in ("", "_error")
+        for of in ("", "_error", "_each")
+        if f"{name}{of}" in known
     }
     pair = derive(xr.Dataset(ends), change=f"{name}_end / {name}_start - 1")
+    if "surface" in pair.dims and known[name].attrs.get("reduction") == "mean":
+        # Both ends have the same surfaces, whose scatter is common to them.
+        ratio = ratio_of_means(f"{name}_end_each", f"{name}_start_each", "surface")
+        errors = mean(derive(pair, change_each=ratio), "change").change_error
+        pair = claim(pair, "change", surfaces=errors.sel(source="surfaces", drop=True))
     if dim == "case":
         known = xr.Dataset(coords={key: ("case", known[key].values, known[key].attrs)})
     first, last = (place_words(known.isel({dim: k}), dim, known) for k in (0, -1))

@@ -275,25 +275,26 @@ def of_one_surface(data: xr.Dataset) -> list[Finding]:
     return [] if data.sizes["surface"] > 1 else [note(words)]
 
 
-def ranking(form: str, ranked: Mapping[str, Value]) -> Finding:
+def ranking(form: str, ranked: Mapping[str, Value], between: Callable[[str, str], float]) -> Finding:
     """Return an order of named values, smallest first, in which only what intervals separate is ranked.
 
-    ``{order}`` in the form becomes ``a < b = c``: "=" joins neighbours that differ by less than their joint
-    interval.
+    ``{order}`` in the form becomes ``a < b = c``: "=" joins neighbours that differ by less than the interval
+    of their difference, half of which `between` returns for two names. Of what is judged by one simulation
+    that is less than the intervals of both say.
 
-    >>> told = {"Xu": Value(value=0.13, error=0.02), "Persson": Value(value=0.3, error=0.02)}
-    >>> ranking("Distance to the simulation: {order}.", told).text
-    'Distance to the simulation: Xu 0.130 +- 0.020 < Persson 0.300 +- 0.020.'
+    >>> told = {"Xu": Value(value=0.13, error=0.02), "Persson": Value(value=0.15, error=0.02)}
+    >>> ranking("Distance to the simulation: {order}.", told, lambda *_: 0.0).text
+    'Distance to the simulation: Xu 0.130 +- 0.020 < Persson 0.150 +- 0.020.'
     """
     order = sorted(ranked.items(), key=lambda one: float(one[1].value))
-    sources, text, last = {value.sources for _, value in order}, "", None
+    sources, text, last = {value.sources for _, value in order}, "", ""
     for name, value in order:
-        if last is not None:
-            error = math.hypot(last.error or 0.0, value.error or 0.0)
-            text += " < " if float(value.value) - float(last.value) > error else " = "
+        if last:
+            apart = float(value.value) - float(ranked[last].value)
+            text += " < " if apart > between(last, name) else " = "
         # The sentence says once of which sources all are.
         text += f"{name} {replace(value, sources='') if len(order) > 1 == len(sources) else value}"
-        last = value
+        last = name
     rows = tuple({"name": Value(value=name), "value": value} for name, value in order)
     return Finding(
         kind="ranking", form=form, values={"order": Value(value=text)}, item="{name} {value}", rows=rows

@@ -8,13 +8,13 @@ from typing import Any
 
 import xarray as xr
 
-from validation.report.findings import Finding, finding, note, of_one_surface, ranking
+from validation.report.findings import Finding, finding, note, of_one_surface
 from validation.report.marks import Band, Figure, Image, Level, Line, Panel, against, panels_along
 from validation.report.table import Column, Listing, Table
 
 #: With `Views` all that a study declares by.
 __all__ = ["Band", "Card", "Column", "Figure", "Finding", "Image", "Level", "Line", "Listing", "Panel"]
-__all__ += ["Table", "Views", "against", "finding", "note", "of_one_surface", "panels_along", "ranking"]
+__all__ += ["Table", "Views", "against", "finding", "note", "of_one_surface", "panels_along"]
 
 
 @dataclass(frozen=True)

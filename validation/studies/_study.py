@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import ast
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
@@ -17,7 +15,7 @@ from validation.errors import RunFailed, SolvesFailed, UsageError
 from validation.execution.measurement import Call
 from validation.measurements.limits import solved
 from validation.report.estimates import gather
-from validation.report.quantities import labelled, quantity
+from validation.report.quantities import labelled
 from validation.report.table import budget_table
 from validation.report.values import with_places
 from validation.scenes.mistakes import problems
@@ -54,12 +52,9 @@ class Study:
     def compute(self, options: StudyOptions, *, bench: Bench) -> xr.Dataset:
         """Run the study on a bench; of other methods that fail beside boundary elements ``failures`` says why.
 
-        A UsageError for options that make no surface, solid or load, and for names that no registry has. A
-        RunFailed for a solve whose answer cannot be used.
+        A UsageError for options that make no surface, solid or load. A RunFailed for a solve whose answer
+        cannot be used.
         """
-        wrong = "; ".join(_misnamed(self.module))
-        if wrong:
-            raise UsageError(f"study {self.name}: {wrong}")
         try:
             return labelled(self.module.run(options, bench=bench)).assign_attrs(study=self.name)
         except SolvesFailed as error:
@@ -133,30 +128,3 @@ def gathered(
         for place, result in solved(bench, cases).items()
     }
     return gather(parts, *dims)
-
-
-def _misnamed(module: ModuleType) -> Iterator[str]:
-    """Say which names that its source makes or shows are none, before anything is solved."""
-    path = getattr(module, "__file__", None)
-    tree = ast.parse(Path(path).read_text(encoding="utf-8") if path else "")
-    for call in (node for node in ast.walk(tree) if isinstance(node, ast.Call)):
-        what = call.func.id if isinstance(call.func, ast.Name) else ""
-        texts = [a.value for a in call.args if isinstance(a, ast.Constant) and isinstance(a.value, str)]
-        names = texts[what == "reduce" :] if what in ("mean", "change", "reduce", "same_of_all") else []
-        wrong = [name for name in names if name.endswith("_each")]
-        if wrong:
-            yield f"line {call.lineno}: {what} is told {wrong[0].removesuffix('_each')!r}, not {wrong[0]!r}"
-        if what == "derive":
-            names = [keyword.arg for keyword in call.keywords if keyword.arg]
-        if what in ("Line", "Level", "Band", "Image", "against"):
-            high = [k.value for k in call.keywords if k.arg in ("y", "high")]
-            names = texts + [str(v.value) for v in high if isinstance(v, ast.Constant)]
-        if what == "Table":
-            columns = [*call.args[1:], *(k.value for k in call.keywords if k.arg == "columns")]
-            rows = [row.elts for row in columns if isinstance(row, ast.Tuple)]
-            names = [str(c.value) for row in rows for c in row if isinstance(c, ast.Constant)]
-        for name in names:
-            try:
-                quantity(name)
-            except UsageError as error:
-                yield f"line {call.lineno}: {error}"

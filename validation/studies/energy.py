@@ -20,7 +20,7 @@ from validation.measurements.common import Resolved, RisingSeveral
 from validation.measurements.limits import solved
 from validation.measurements.measurement import TOLERANCE, reduced_numbers
 from validation.report.estimates import claim_shares, derive
-from validation.report.views import Figure, Finding, Line, Table, Views, against, finding, note, ranking
+from validation.report.views import Figure, Finding, Line, Table, Views, against, finding, note
 from validation.studies import pressure
 from validation.studies._options import Shifts, Surfaces
 from validation.studies.pressure import AGREEMENT, design, measured_path
@@ -136,9 +136,10 @@ def views(data: xr.Dataset) -> Views:
 
 def _findings(data: xr.Dataset) -> Iterator[Finding]:
     for name in _COMPARED:
-        yield ranking(
+        yield ranked(
             f"{pressure.TITLES[name]}, mean |ln| of simulated over predicted values where A/A0 < {NEARLY_FULL}: {{order}}.",
-            ranked(data, name),
+            data,
+            name,
         )
     partly = data.isel(load=np.flatnonzero(data.gap_first.values > 0))
     checks = ("work_check", "stiffness_check", "path_work_check")

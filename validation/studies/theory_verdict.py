@@ -17,7 +17,7 @@ from validation.measurements.load_path import moved_shares
 from validation.measurements.measurement import grids_for, press_on_grids
 from validation.measurements.theory import RANKED, modes_finding
 from validation.report.estimates import claim_shares
-from validation.report.views import Figure, Finding, Table, Views, against, ranking
+from validation.report.views import Figure, Finding, Table, Views, against
 from validation.scenes.tables import Load
 from validation.studies import pressure
 from validation.theories import find_theory
@@ -114,9 +114,10 @@ def views(data: xr.Dataset) -> Views:
 
 def _findings(data: xr.Dataset) -> Iterator[Finding]:
     for name in COMPARED:
-        yield ranking(
+        yield ranked(
             f"{pressure.TITLES[name]}, mean |ln| of simulated over predicted values where A/A0 < {NEARLY_FULL}, at "
             f"lambda_long/lambda_short = {data.attrs['bandwidth']:.4g}: {{order}}.",
-            ranked(data, name),
+            data,
+            name,
         )
     yield modes_finding(data)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any
@@ -14,7 +15,8 @@ from validation.arrays import Array
 from validation.measurements.distributions import STRESS_EDGES
 from validation.measurements.theory import Waves
 from validation.report.estimates import derive
-from validation.report.values import Value, value_of
+from validation.report.findings import Finding, ranking
+from validation.report.values import value_of
 from validation.scenes.problem import ContactProblem
 from validation.theories.base import Rough, Theory
 
@@ -132,11 +134,31 @@ def distances(data: xr.Dataset) -> xr.Dataset:
     return data
 
 
-def ranked(data: xr.Dataset, name: str) -> dict[str, Value]:
-    """Return the distances of the theories that reach all loads, by what these are called."""
+def ranked(form: str, data: xr.Dataset, name: str) -> Finding:
+    """Return the order of the theories that reach all loads, by their distances; see `ranking`.
+
+    All are judged by the same simulated values: what these may be off by moves two theories on one side of
+    them alike, and those on opposite sides twice.
+    """
+    partly = data.isel(load=np.flatnonzero(data.area.values < NEARLY_FULL))
+    over, off = partly[f"{name}_over"], f"{name}_off"
+    moved = (partly[f"{name}_over_error"] / over).transpose("source", "theory", "load")
+
+    def between(one: str, other: str) -> float:
+        def apart(share: Any) -> Array:
+            first, second = (abs(np.log(over.sel(theory=label).values) + share) for label in (one, other))
+            return np.asarray(first - second)
+
+        errors = moved.sel(theory=one).values
+        half = np.maximum(*(abs(apart(sign * errors) - apart(0.0)) for sign in (1, -1))).mean(-1)
+        joint = data[[off, f"{off}_error"]].sel(theory=one)
+        error = value_of(joint.assign({f"{off}_error": ("source", half)}), off).error
+        return math.nan if error is None else error
+
     places = {str(label): data.sel(theory=label) for label in data.theory.values}
-    numbers = {label: value_of(here, f"{name}_off") for label, here in places.items()}
-    return {label: value for label, value in numbers.items() if np.isfinite(float(value.value))}
+    numbers = {label: value_of(here, off) for label, here in places.items()}
+    reaching = {label: value for label, value in numbers.items() if np.isfinite(float(value.value))}
+    return ranking(form, reaching, between)
 
 
 def stress_shares(theory: Theory, problem: ContactProblem, reduced_pressures: Sequence[float]) -> Array:
