@@ -142,4 +142,4 @@ def test_theories_are_ranked_by_their_mean_distance_below_full_contact():
     assert_allclose(found.gap_off[:2], np.log([2.0, 1.1]), rtol=1e-12)
     # The errors at all loads are of the same surfaces: they do not shrink.
     assert_allclose(total_error(found, "gap_off")[:2], [0.02 * 1.25, 0.02 / 1.1], rtol=1e-12)
-    assert list(ranked(found, "gap")) == ["far", "near"]
+    assert [row["name"].value for row in ranked("{order}", found, "gap").rows] == ["near", "far"]

@@ -222,7 +222,7 @@ def _along(data: xr.Dataset, key: str) -> Iterator[Finding]:
         return
     yield finding(
         "trend",
-        where + f"{{verdict}} from {{{name}_start}} to {{{name}_end}}, by {{change:+.3%}}.",
+        where + f"{{verdict}} from {{{name}_start}} to {{{name}_end}}, by {{change:+%}}.",
         pair,
         by="change",
         words={

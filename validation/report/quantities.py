@@ -220,34 +220,3 @@ def place_words(here: xr.Dataset, dim: str, data: xr.Dataset) -> str:
         return str(named_at(here, names[0]).get("words", place.item()))
     what = quantity_of(data, names[0])
     return f"{what.symbol} = {in_shown_unit(place, what.unit)}"
-
-
-def table_row(*cells: str) -> str:
-    """Return a row of a table in Markdown, whose bars are none of the cells'."""
-    escaped = (cell.replace("|", "\\|") for cell in cells)
-    return f"| {' | '.join(escaped)} |"
-
-
-def glossary() -> str:
-    """Return the page of the documentation that says what every name means."""
-    tables = registry()
-    rows = "\n".join(
-        table_row(f"`{name}`", entry["symbol"], entry["words"], entry.get("unit", "1"))
-        for name, entry in sorted(tables["quantities"].items())
-    )
-    endings = sorted(tables["qualifiers"].items())
-    ends = "\n".join(table_row(f"`_{name}`", entry["words"]) for name, entry in endings)
-    return f"""# Glossary
-
-Names in datasets, tables, CSV files and on axes. An interval is always 95 %.
-
-| name | symbol | meaning | unit |
-|---|---|---|---|
-{rows}
-
-A name may end with
-
-| ending | meaning |
-|---|---|
-{ends}
-"""

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import typing
 from collections.abc import Iterator, Mapping
 from typing import Any
 
@@ -11,42 +10,16 @@ from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
 from validation.effects import effect_kinds
-from validation.report.quantities import table_row
 from validation.scenes.tables import QUANTITIES, SURFACES, Ensemble, Load, RunOptions, SolidSpec, Title
 from validation.solvers import methods
 from validation.units import choices_of, example_of, unit_of
 
-_START = """# Keys of a scene
-
-A scene is a file in TOML: a surface, a solid, a load, and the methods that answer.
-`fem-contact scenes copy quickstart mine.toml` makes one to change, and `fem-contact explain mine.toml` says
-what it would run.
-
-This page lists every key. `fem-contact scenes keys WORD` searches it from a terminal.
-
-- A value with a unit is text: `length = "100 um"`. Plain numbers are in the SI unit that is named.
-- On the command line each key is set by `--set`: `--set solid.young='2 GPa'`. Its last word does where
-  only one key of the scene has it: `--set young='2 GPa'`.
-- What a scene does not list is not computed.
-"""
-
-_SWEPT = "Any key of surface, solid, load, methods, ensemble, effects and quantities, with a list of values"
-_MODE = 'every value with every other; "zip" pairs them'
-_SWEEP = f"""
-## `[sweep]`: the same scene at several values
-
-{_SWEPT}:
-
-```toml
-[sweep]
-load.reduced_pressure = [0.01, 0.03, 0.1]
-effects.hardness.hardness = ["1 GPa", "2 GPa"]
-mode = "product"  # {_MODE}
-```
-"""
+#: What the key `sweep` may hold, and its mode.
+SWEPT = "Any key of surface, solid, load, methods, ensemble, effects and quantities, with a list of values"
+MODE = 'every value with every other; "zip" pairs them'
 
 
-def _tables(kind: object = None) -> Iterator[tuple[str, str, type[BaseModel]]]:
+def tables(kind: object = None) -> Iterator[tuple[str, str, type[BaseModel]]]:
     """Yield each table of a scene: its place in the names of keys, its head in a file, what it holds."""
     yield "", "The file itself", Title
     for name, table in SURFACES.items():
@@ -71,14 +44,14 @@ def scene_keys(data: Mapping[str, Any]) -> dict[str, FieldInfo]:
     surface = data.get("surface")
     kind = surface.get("kind") if isinstance(surface, dict) else None
     keys: dict[str, FieldInfo] = {}
-    for place, _, table in _tables(kind if isinstance(kind, str) else None):
+    for place, _, table in tables(kind if isinstance(kind, str) else None):
         for name, info in table.model_fields.items():
             if not (name == "kind" and place.startswith("effects.")):
                 keys.setdefault(f"{place}.{name}".lstrip("."), info)
     return keys
 
 
-def _facts(info: FieldInfo) -> tuple[str, str]:
+def facts(info: FieldInfo) -> tuple[str, str]:
     """Return of a key what it means with what it may be, and its default; its example stands elsewhere."""
     meaning = re.sub(rf",? {re.escape(f'e.g. {example_of(info)}')}", "", info.description or "")
     meaning, _, default = meaning.partition("; default: ")
@@ -96,26 +69,11 @@ def _facts(info: FieldInfo) -> tuple[str, str]:
 
 def key_lines(word: str) -> Iterator[str]:
     """Yield two lines for each key whose name or meaning has a word: its example, then what it means."""
-    every = [(f"{key} = {example_of(info)}", *_facts(info)) for key, info in scene_keys({}).items()]
-    every.append(("sweep.load.reduced_pressure = [0.01, 0.03, 0.1]", _SWEPT, ""))
-    every.append(('sweep.mode = "product"', _MODE, "product"))
+    every = [(f"{key} = {example_of(info)}", *facts(info)) for key, info in scene_keys({}).items()]
+    every.append(("sweep.load.reduced_pressure = [0.01, 0.03, 0.1]", SWEPT, ""))
+    every.append(('sweep.mode = "product"', MODE, "product"))
     for example, meaning, default in every:
         usual = default if default in ("", "required") else f"default: {default}"
         lines = example, f"    {'; '.join(filter(None, (meaning, usual)))}"
         if word.lower() in "\n".join(lines).lower():
             yield from lines
-
-
-def scene_page() -> str:
-    """Return docs/scene.md."""
-    lines = [_START]
-    for _, head, table in _tables():
-        first = typing.cast(str, table.__doc__).partition("\n\n")[0]
-        lines += [f"## {head}\n", f"{' '.join(first.split())}\n"]
-        lines += ["| key | meaning | default | example |", "|---|---|---|---|"]
-        for name, info in table.model_fields.items():
-            if name != "kind":
-                cells = f"`{name}`", *_facts(info), f"`{name} = {example_of(info)}`"
-                lines.append(table_row(*cells))
-        lines.append("")
-    return "\n".join(lines) + _SWEEP
