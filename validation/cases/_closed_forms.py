@@ -52,8 +52,13 @@ class HertzInPeriod:
 
     @property
     def approach(self) -> float:
-        """Approach of the apex over the period, without the mean displacement."""
-        return self.radius**2 + self.load / self.contact_modulus * LATTICE_MADELUNG / math.pi
+        """Approach of the apex over the period, without the mean displacement.
+
+        Images of the load F, of the second moment <r^2> = 2 a^2 / 5, add F <r^2> sum R^-3 / (4 pi E*) to
+        what they do as points.
+        """
+        images = LATTICE_MADELUNG + self.radius**2 * LATTICE_CUBE / 10
+        return self.radius**2 + self.load / self.contact_modulus * images / math.pi
 
     def distance(self, n: int, shift: Pair = (0.0, 0.0)) -> Array:
         """Distance of n x n points from the apex, which lies `shift` cells beside a point."""

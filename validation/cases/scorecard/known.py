@@ -267,7 +267,8 @@ def against_bem(subject: Subject) -> Checks:
     # Both err in first order at the edges of contact, with constants that partly cancel on coarse grids.
     edge = 4 / subject.ladder[-1]
     yield below("relative L2 difference of pressure, finest grid", differences[-1], edge)
-    yield below("relative difference in counted area, finest grid", areas[-1], edge)
+    if subject.doubles:  # counts on a few points are further apart
+        yield below("relative difference in counted area, finest grid", areas[-1], edge)
     if differences[0] >= _solver_error(subject):  # else it has no order
         words = "the difference to boundary elements"
         yield from _observed(subject, words, differences, expected=1, tolerance=0.6)
