@@ -20,7 +20,7 @@ from validation.errors import UsageError
 from validation.execution.outputs import Outputs, leave
 from validation.execution.results import RECORD, Result, read_results, record_of
 from validation.files import prepare_folder
-from validation.report.estimates import NORMAL, claim, derive, each, mean, total_error
+from validation.report.estimates import NORMAL, claim_surfaces, derive, each, total_error
 from validation.report.findings import Finding, finding, note
 from validation.report.marks import Figure, Line, against
 from validation.report.page import page_of
@@ -188,14 +188,7 @@ def side_by_side(results: Mapping[str, Result]) -> xr.Dataset:
     for name in values:  # What rounding leaves of a difference is none; unknown and endless ones stay.
         difference = made[f"{name}_apart"]
         made[f"{name}_apart"] = difference.where(~(abs(difference) < 1e-12 * abs(made[name])), 0.0)
-        how, each_of = data[name].attrs, f"{name}_each_apart"
-        if how.get("reduction") == "mean" and f"{name}_apart_error" in made and each_of in made:
-            # Of the same surfaces the scatter is common; of others the differences scatter as both do.
-            one = made[[each_of]].rename({each_of: "apart_each"})
-            errors = mean(one, "apart", over=how["over"], pairs=bool(how["pairs"])).apart_error
-            half = errors.sel(source="surfaces", drop=True)
-            both = made[f"{name}_apart_error"].sel(source="surfaces", drop=True)
-            made = claim(made, f"{name}_apart", surfaces=half.fillna(both))
+        made = claim_surfaces(made, f"{name}_apart", f"{name}_each_apart", of=data[name].attrs)
     # The first is no further from itself than nothing.
     apart = [name for name in made.data_vars if name not in data and name not in beside]
     return labelled(data.assign(made[apart].where(made.result != made.result[0], 0.0)))

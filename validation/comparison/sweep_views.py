@@ -13,7 +13,7 @@ from validation.arrays import Array
 from validation.comparison.run_views import HOW_FAR, HOW_LARGE
 from validation.comparison.treatment import treatment_findings, treatment_table
 from validation.report.estimates import (
-    claim,
+    claim_surfaces,
     derive,
     each,
     mean,
@@ -207,11 +207,10 @@ def _along(data: xr.Dataset, key: str) -> Iterator[Finding]:
         if f"{name}{of}" in known
     }
     pair = derive(xr.Dataset(ends), change=f"{name}_end / {name}_start - 1")
-    if "surface" in pair.dims and known[name].attrs.get("reduction") == "mean":
-        # Both ends have the same surfaces, whose scatter is common to them.
+    if "surface" in pair.dims:
         ratio = ratio_of_means(f"{name}_end_each", f"{name}_start_each", "surface")
-        errors = mean(derive(pair, change_each=ratio), "change").change_error
-        pair = claim(pair, "change", surfaces=errors.sel(source="surfaces", drop=True))
+        pair = derive(pair, change_each=ratio)
+        pair = claim_surfaces(pair, "change", "change_each", of=known[name].attrs)
     if dim == "case":
         known = xr.Dataset(coords={key: ("case", known[key].values, known[key].attrs)})
     first, last = (place_words(known.isel({dim: k}), dim, known) for k in (0, -1))

@@ -329,6 +329,20 @@ def same_of_all(data: xr.Dataset, *names: str) -> xr.Dataset:
     return derive(data, **{name: f"{name}_each.mean('surface', skipna=False)" for name in names})
 
 
+def claim_surfaces(data: xr.Dataset, name: str, each: str, *, of: Mapping[str, Any]) -> xr.Dataset:
+    """Claim the surfaces' share of what is derived of means by what it is on single surfaces, `each`.
+
+    Of the same surfaces the scatter is common; of others this is as wide as if they were independent. `of`
+    are the attributes of the means; what is derived of anything else, or of one surface, stays as it is.
+    """
+    if of.get("reduction") != "mean" or each not in data or f"{name}_error" not in data:
+        return data
+    one = data[[each]].rename({each: "single_each"})
+    found = mean(one, "single", over=of["over"], pairs=bool(of["pairs"])).single_error
+    half, both = (errors.sel(source="surfaces", drop=True) for errors in (found, data[f"{name}_error"]))
+    return claim(data, name, surfaces=half.fillna(both))
+
+
 def mean_of(
     samples: Array, axis: int, *, there: Array | bool = True, pairs: bool = False
 ) -> tuple[Array, Array]:
