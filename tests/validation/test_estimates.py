@@ -20,7 +20,6 @@ from validation.report.estimates import (
     derive,
     error_of,
     gather,
-    jackknife,
     mean,
     power_law,
     total_error,
@@ -217,14 +216,3 @@ def test_a_source_that_did_not_enter_does_once_a_number_is_claimed():
     assert "grid" not in data.area_error.attrs
     np.testing.assert_allclose(total_error(data, "area"), 0.05)
     assert claim(data, "area", grid="it is exact").area_error.attrs["grid"].startswith("does not enter")
-
-
-def test_what_is_estimated_of_all_surfaces_together_scatters_as_it_does_without_each():
-    areas = xr.DataArray([[1.0, 2.0], [2.0, 2.5], [6.0, 2.4]], dims=("surface", "load"))
-    plain = jackknife(lambda some: some.mean("surface"), areas)
-    np.testing.assert_allclose(plain, areas, rtol=1e-12)
-    largest = jackknife(lambda some: some.max("surface"), areas)
-    np.testing.assert_allclose(largest.mean("surface"), [6.0, 2.5], rtol=1e-12)
-    # Without the largest it is the next one, in one of three.
-    np.testing.assert_allclose(largest[:, 0], 6.0 + 2 * (np.array([0, 0, 4]) - 4 / 3), rtol=1e-12)
-    assert jackknife(lambda some: some.max("surface"), areas[:1]).values.tolist() == [[1.0, 2.0]]

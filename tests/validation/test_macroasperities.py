@@ -5,7 +5,7 @@ import pytest
 import xarray as xr
 
 from fem_contact import HalfSpace, bem, contact_areas, percolates
-from validation.measurements.magnified import at_magnification, sharpest_bend
+from persson.elastic import area_against_magnification
 from validation.measurements.measurement import grid_for, without_waves_beyond
 from validation.report.estimates import derive, mean, total_error
 from validation.studies import macroasperities
@@ -61,15 +61,6 @@ def test_the_gap_is_closed_before_its_threshold_and_open_behind_it(options, data
     assert areas[0] < float(gap.percolation_area_axis_each) < areas[1]
 
 
-def test_thesharpest_bend_of_a_curve_is_where_it_turns():
-    x = np.linspace(-1, 3, 9)
-    # d^2 y / dx^2 = sech^2(x - 1.1) is largest at x = 1.1.
-    found = sharpest_bend(np.exp(x), np.exp(np.log(np.cosh(x - 1.1))))
-    assert np.log(found) == pytest.approx(1.1, abs=0.05)
-    assert np.isnan(sharpest_bend(np.exp(x), np.exp(-np.cosh(x))))  # bends down everywhere
-    assert np.isnan(sharpest_bend(np.exp(x), np.exp(np.exp(-x))))  # bends most at its beginning
-
-
 def planted(data, *, power, which):
     """Mean pressures that grow with a power of the load, and scatter by half a per cent."""
     told = data.copy(deep=True)
@@ -96,13 +87,25 @@ def test_a_pressure_that_stays_is_called_the_same_and_one_that_rises_is_not(data
     assert found.outcomes[1:] == (("within",) * 2 if power == 1 else ("beyond",) * 2)
 
 
-def test_macroasperities_are_where_ln_a_bends_most_and_their_pressure_is_that_of_the_area_there(data):
+def test_macroasperities_are_where_ln_a_of_the_theory_bends_most_and_their_pressure_is_that_of_the_area_there(
+    options, data
+):
+    first, loads = options.first, data.reduced_pressure.values
+    zetas = np.geomspace(0.5, 4.0, 2001)
+    told = area_against_magnification(
+        first.own_spectrum,
+        pressure=loads[1] * first.pressure_scale,
+        contact_modulus=first.contact_modulus,
+        magnification=zetas,
+        q_reference=2 * np.pi / first.longest,
+    )
     zeta = float(data.macro_magnification[1])
-    assert zeta == pytest.approx(sharpest_bend(np.array(ZETA), data.area[1].values), nan_ok=True)
+    assert zeta == pytest.approx(zetas[1 + np.argmax(np.diff(np.log(told), 2))], rel=0.01)
+    seen = contact_areas(pressed(options, 2, zeta=zeta, load=loads[1]), subcell=True).subcell
+    assert float(data.macro_area_each[2, 1]) == pytest.approx(seen, rel=1e-5)
     for which in ("", "_persson"):
         pressure = data.reduced_pressure / data[f"macro_area{which}_each"].mean("surface", skipna=False)
         xr.testing.assert_allclose(data[f"macro_pressure{which}"].drop_attrs(), pressure)
-    assert at_magnification(np.array([1.0, 4.0]), np.array([0.4, 0.1]), 2.0) == pytest.approx(0.2)
 
 
 def test_thresholds_are_means_over_surfaces_of_both_directions(data):

@@ -88,7 +88,7 @@ depth beside-fem-64-a4c4d91a35dd1a4b 0.0156 2064384
 heights heights-32-697ed3d7c71b7e45 0.01 204800
 large-slope slopes-24-4c915c771e07fb17 7.09 296550000
 leak leak-48-280e075a7c5e0e71 0.37 4608000
-macroasperities magnified-256-d947e2cf61ddfae4 7.67 32768000
+macroasperities magnified-256-05324962304d5743 8.00 32768000
 pressure measure-512x512-4eaca9629ef04b88 12.4 31457280
 reference unsolved-48x48-4ec549d1e39a4327 1.75 460800
 refinement grid-roughness-64-e28cffaebdde639d 0.0184 491520

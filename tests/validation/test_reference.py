@@ -257,7 +257,7 @@ def test_parts_are_joined_and_what_is_missing_stays_open():
         joined([part(0.8, 16.0), part(0.3, 4.0, rolloff="plateau")])
 
 
-def test_the_size_of_the_sample_is_the_change_that_is_seen_or_the_least_that_would_be():
+def test_the_size_of_the_sample_is_twice_the_change_that_is_seen_and_its_interval():
     dims = ("hurst", "bandwidth", "reduced_pressure")
 
     def cells(value, width, *, hursts, bandwidths, periods):
@@ -275,10 +275,11 @@ def test_the_size_of_the_sample_is_the_change_that_is_seen_or_the_least_that_wou
     # 5 % at the first load, 0 at four times the bandwidth, each to 0.5 % over the root of two Hurst
     # exponents; 0 and 2 % at the second. Between them half of both.
     size = whole.gap_error.sel(source="size")
-    least = 2 * 0.005 / 2**0.5
-    assert_allclose(size.values[1], [[0.1, least], [0.05, 0.02], [least, 0.04]], rtol=1e-12)
+    seen, half = np.array([[0.05, 0.0], [0.025, 0.01], [0.0, 0.02]]), 0.005 / 2**0.5
+    halves = np.array([[half], [half / 2**0.5], [half]])
+    assert_allclose(size.values[1], 2 * (2 * seen + halves), rtol=1e-12)
     single = with_size(table, *(part.sel(bandwidth=[8.0]) for part in (small, larger)))
-    assert_allclose(single.gap_error.sel(source="size").values[2], [[0.1, least]] * 3, rtol=1e-12)
+    assert_allclose(single.gap_error.sel(source="size").values[2], [[0.2 + 2 * half, 2 * half]] * 3, rtol=1e-12)
     total = total_error(whole, "gap", sources=["surfaces", "size"])
     assert total.values[2, 0] == pytest.approx(np.hypot(0.006, size.values[2, 0]))
     assert whole.attrs["larger_periods"] == 8.0

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from typing import Any, Literal
 
 import numpy as np
@@ -14,7 +14,6 @@ from validation.arrays import Array, Grid
 from validation.execution.measurement import measurement
 from validation.measurements.flow import States, contact_is_apart, gap_is_open, located_area
 from validation.measurements.measurement import press_elastic, without_waves_beyond
-from validation.report.estimates import claim, derive, jackknife, mean, ratio_of_means
 from validation.scenes.problem import ContactProblem
 
 #: Located area, and magnification, up to which a threshold is bracketed.
@@ -30,8 +29,9 @@ _AXES: tuple[Literal["x", "y"], ...] = ("x", "y")
     version=2,
     left_out=("load",),
     # One problem for each load and magnification, some twenty for each pair of thresholds.
-    seconds=lambda points, reduced_pressures, magnifications, percolating: (
-        (len(reduced_pressures) * len(magnifications) + 20 * len(percolating)) * (2e-3 + 8e-7 * points)
+    seconds=lambda points, reduced_pressures, magnifications, percolating, bends: (
+        (len(reduced_pressures) * len(magnifications) + len(bends) + 20 * len(percolating))
+        * (2e-3 + 8e-7 * points)
     ),
     bytes=500,
 )
@@ -42,11 +42,13 @@ def magnified(
     reduced_pressures: tuple[float, ...],
     magnifications: tuple[float, ...],
     percolating: tuple[float, ...] = (),
+    bends: tuple[tuple[float, float], ...] = (),
 ) -> xr.Dataset:
     """Press one surface at loads p* with the gradient of all waves, with its waves up to each magnification.
 
     Over (load, magnification); thresholds over (percolating, axis, phase). zeta = q/q_long of the last wave
-    there is, rising; `percolating` are the p* at which those are sought where contact and gap join up.
+    there is, rising; `percolating` are the p* at which those are sought where contact and gap join up;
+    `bends` pairs of p* and zeta that are looked at alone, over (load) where they have one of the loads.
     """
     heights, q_long = problem.heights(grid), 2 * np.pi / problem.longest
 
@@ -65,7 +67,7 @@ def magnified(
             return np.nan, np.nan
         return states.threshold(passes, low, high, area=_AREA, ratio=_ZETA)
 
-    rows = []
+    rows, zetas = [], dict(bends)
     for load in reduced_pressures:
         states, unit = states_at(load), problem.longest**2
         last = states(magnifications[-1])
@@ -82,8 +84,16 @@ def magnified(
     for i, name in enumerate(("area", "magnification")):
         data[f"percolation_{name}_axis_each"] = (("percolating", "axis", "phase"), thresholds[..., i])
     field = problem.field
-    gradients = [without_waves_beyond(field, z * q_long).rms_gradient for z in magnifications]
-    data["gradient_share_each"] = ("magnification", np.array(gradients) / field.rms_gradient)
+
+    def gradient_share(zeta: float) -> float:
+        return without_waves_beyond(field, zeta * q_long).rms_gradient / field.rms_gradient
+
+    data["gradient_share_each"] = ("magnification", [gradient_share(zeta) for zeta in magnifications])
+    macro = np.full((2, len(reduced_pressures)), np.nan)
+    for j, load in enumerate(reduced_pressures):
+        if load in zetas:
+            macro[:, j] = located_area(states_at(load)(zetas[load])), gradient_share(zetas[load])
+    data |= {"macro_area_each": ("load", macro[0]), "macro_gradient_share_each": ("load", macro[1])}
     return xr.Dataset(data, coords={"axis": list(_AXES), "phase": ["contact", "gap"]})
 
 
@@ -100,72 +110,3 @@ def _read_off(state: ContactResult, last: ContactResult, *, unit: float) -> dict
         "area_inside": float(inside.sum() / last.in_contact.sum()),
         "load_inside": float(last.pressure[inside].sum() / last.pressure.sum()),
     }
-
-
-def sharpest_bend(zeta: Array, area: Array) -> float:
-    """Magnification where ln A over ln zeta bends up most, by the parabola through three steps; NaN at an end.
-
-    >>> x = np.linspace(-1, 3, 9)
-    >>> round(float(np.log(sharpest_bend(np.exp(x), np.cosh(x - 1.1)))), 1)
-    1.1
-    """
-    x, y = np.log(zeta), np.log(area)
-    slopes, middles = np.diff(y) / np.diff(x), (x[1:] + x[:-1]) / 2
-    bend = np.diff(slopes) / np.diff(middles)
-    top = int(np.argmax(bend))
-    if top in (0, bend.size - 1) or not bend[top] > 0:
-        return float("nan")
-    around = slice(top - 1, top + 2)
-    c2, c1, _ = np.polyfit(x[1:-1][around], bend[around], 2)
-    return float(np.exp(-c1 / (2 * c2)))
-
-
-def at_magnification(zeta: Array, area: Array, at: float) -> float:
-    """A/A0 between the magnifications, straight in the logarithms; NaN beyond them.
-
-    >>> round(at_magnification(np.array([1.0, 4.0]), np.array([0.4, 0.1]), 2.0), 12)
-    0.2
-    """
-    return float(np.exp(np.interp(np.log(at), np.log(zeta), np.log(area), left=np.nan, right=np.nan)))
-
-
-def with_macroasperities(data: xr.Dataset, *, theory: Sequence[float], same: float) -> xr.Dataset:
-    """Add where ln A bends most, in simulation and theory (``_persson``), and area and pressure there.
-
-    To ``area_each`` and ``area_persson_each`` (surface, load, magnification), ``area``, p* as a coordinate.
-    `theory` is zeta_m at each load; `same` the relative change of the pressure, against the lightest load
-    with one, that is none.
-    """
-    along = [["magnification"], ["magnification"]]
-
-    def bend(area: xr.DataArray) -> Any:
-        # Of the mean over the surfaces: the bend of a single one is noise.
-        places = data.magnification, area.mean("surface")
-        return xr.apply_ufunc(sharpest_bend, *places, input_core_dims=along, vectorize=True)
-
-    def there(area: xr.DataArray, zeta: xr.DataArray) -> Any:
-        places = data.magnification, area, zeta
-        found = xr.apply_ufunc(at_magnification, *places, input_core_dims=[*along, []], vectorize=True)
-        return found.transpose("surface", "load")
-
-    def at_bend(area: xr.DataArray) -> Any:
-        return there(area, bend(area)).mean("surface", skipna=False)
-
-    data["macro_magnification"] = bend(data.area_each).assign_attrs(reduction="bend", of="area")
-    data["macro_magnification_persson"] = ("load", list(theory))
-    # Where it bends is an estimate, too, whose scatter is that of leaving surfaces out.
-    data["macro_area_each"] = jackknife(at_bend, data.area_each)
-    data["macro_area_persson_each"] = there(data.area_persson_each, data.macro_magnification_persson)
-    for which in ("", "_persson"):
-        area, pressure = f"macro_area{which}", f"macro_pressure{which}"
-        lightest = int(np.argmax(data[f"{area}_each"].notnull().all("surface").values))
-        areas = ratio_of_means(f"{area}_each.isel(load={lightest})", f"{area}_each", "surface")
-        loads = f"reduced_pressure / reduced_pressure.isel(load={lightest})"
-        data = derive(data, **{f"macro_pressure_ratio{which}_each": f"({areas}) * {loads}"})
-        data = mean(data, area, f"macro_pressure_ratio{which}")
-        data = derive(
-            claim(data, f"macro_magnification{which}"),
-            **{pressure: f"reduced_pressure / {area}"},
-            **{f"macro_pressure_shift{which}": f"(macro_pressure_ratio{which} - 1) / {same}"},
-        )
-    return data

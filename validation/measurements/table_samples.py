@@ -197,9 +197,9 @@ def joined(parts: Sequence[xr.Dataset]) -> xr.Dataset:
 def with_size(table: xr.Dataset, small: xr.Dataset, larger: xr.Dataset) -> xr.Dataset:
     r"""Claim what the size of the sample leaves: the change from samples as in a table to larger ones, on one grid.
 
-    .. math:: s = \max(|\bar d|, w), \qquad d = Q_\mathrm{larger} / Q_\mathrm{small} - 1
+    .. math:: s = 2 |\bar d| + w, \qquad d = Q_\mathrm{larger} / Q_\mathrm{small} - 1
 
-    d is fitted by a straight line in the logarithm of the bandwidth, weighed by the surfaces' variances, for each of
+    What is left after a doubling is at most that once more, if it falls like 1/L or faster. d is fitted by a straight line in the logarithm of the bandwidth, weighed by the surfaces' variances, for each of
     `QUANTITIES` and load; w is half of the 95 % interval of the line. Of a single bandwidth it is a constant.
     """
     claimed, cells = table, ("hurst", "bandwidth")
@@ -216,5 +216,5 @@ def with_size(table: xr.Dataset, small: xr.Dataset, larger: xr.Dataset) -> xr.Da
         slope = (weight * (x - middle) * change).sum(cells) / spread
         line = (weight * change).sum(cells) / whole + slope * (at - middle)
         half = (1 / whole + (at - middle) ** 2 / spread) ** 0.5
-        claimed = claim(claimed, name, size=abs(table[name]) * abs(line).clip(min=half))
+        claimed = claim(claimed, name, size=abs(table[name]) * (2 * abs(line) + half))
     return claimed.assign_attrs(larger_periods=larger.attrs["periods"])

@@ -13,7 +13,7 @@ from __future__ import annotations
 import ast
 import itertools
 import math
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import fields, is_dataclass
 from typing import Any
 
@@ -460,21 +460,6 @@ def derive(data: xr.Dataset, **expressions: str) -> xr.Dataset:
             added[f"{name}_drift"] = bare(sum(drifts[1:], drifts[0]))
         data = _with(data, added)
     return data
-
-
-def jackknife(of: Callable[[xr.DataArray], xr.DataArray], samples: xr.DataArray) -> xr.DataArray:
-    """Return numbers whose mean over surfaces is `of` all, and whose scatter that of it: by leaving each out.
-
-    For what is estimated of all together (B. Efron, The jackknife, the bootstrap and other resampling plans,
-    1982).
-    """
-    count, whole = samples.sizes["surface"], of(samples)
-    if count == 1:
-        return whole.expand_dims(surface=1)
-    others = (np.flatnonzero(np.arange(count) != k) for k in range(count))
-    without = xr.concat([of(samples.isel(surface=some)) for some in others], "surface")
-    each = whole + (count - 1) * (without.mean("surface", skipna=False) - without)
-    return each.transpose("surface", ...)
 
 
 def ratio_of_means(above: str, below: str, over: str) -> str:

@@ -19,9 +19,9 @@ from persson.separation import macroasperity_magnification
 from validation.execution.bench import Bench
 from validation.measurements.common import Rising, RisingOrNone, RisingSeveral, base_case
 from validation.measurements.limits import ABSENT, stored_variables
-from validation.measurements.magnified import magnified, with_macroasperities
+from validation.measurements.magnified import magnified
 from validation.measurements.measurement import grid_for
-from validation.report.estimates import claim, derive, mean, nearest
+from validation.report.estimates import claim, derive, mean, nearest, ratio_of_means
 from validation.report.views import Figure, Finding, Level, Line, Table, Views, against, finding
 from validation.scenes.problem import ContactProblem
 from validation.studies._options import Bandwidth, Hurst, Periods, Seed, StudyOptions, Surfaces
@@ -58,10 +58,11 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     """Press every surface with its waves up to each magnification.
 
     Area, patches and what lies in the contact seen at zeta over (surface, load, magnification); thresholds over
-    (surface, phase, percolating, axis); ``macro_magnification`` where ln A bends most, in simulation and theory,
-    and area and pressure there (surface, load).
+    (surface, phase, percolating, axis); ``macro_magnification`` where ln A of the theory bends most, and area and
+    pressure of simulation and theory (``_persson``) there (surface, load).
     """
     first = options.first
+    bends = {p: _bend(options, p) for p in options.reduced_pressures}
     cases = {
         k: magnified(
             problem=first.further(k),
@@ -69,6 +70,7 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
             reduced_pressures=options.reduced_pressures,
             magnifications=options.magnifications,
             percolating=options.percolating,
+            bends=tuple((p, zeta) for p, zeta in bends.items() if np.isfinite(zeta)),
         )
         for k in range(options.surfaces)
     }
@@ -86,9 +88,8 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     data = mean(data, "area", "area_persson", "patch_density", "relative_patch_size", "largest_patch")
     data = mean(data, "area_inside", "load_inside", "contact_pressure_ratio")
     data = claim(data, "area", "load_inside", **ABSENT)
-    theory = [_of_theory(first, p) for p in options.reduced_pressures]
     data = derive(
-        with_macroasperities(data, theory=theory, same=_SAME),
+        _with_macroasperities(data.assign(macro_magnification=("load", [*bends.values()]))),
         contact_pressure="reduced_pressure / area",
         contact_pressure_shift=f"(contact_pressure_ratio - 1) / {_SAME}",
         load_inside_excess=f"load_inside - {_DOMINANT}",
@@ -118,9 +119,11 @@ def _with_thresholds(data: xr.Dataset) -> xr.Dataset:
     return derive(data, percolation_area_excess="percolation_area_pooled - percolation_area_paper")
 
 
-def _of_theory(first: ContactProblem, reduced: float) -> float:
+def _bend(options: Options, reduced: float) -> float:
+    """Return zeta_m of the theory at p*; NaN beyond the magnifications that are looked at."""
+    first, (low, *_, high) = options.first, options.magnifications
     try:
-        return macroasperity_magnification(
+        found = macroasperity_magnification(
             first.own_spectrum,
             pressure=reduced * first.pressure_scale,
             contact_modulus=first.contact_modulus,
@@ -128,6 +131,24 @@ def _of_theory(first: ContactProblem, reduced: float) -> float:
         )
     except OutsideTheory:
         return float("nan")
+    return found if low <= found <= high else float("nan")
+
+
+def _with_macroasperities(data: xr.Dataset) -> xr.Dataset:
+    """Add the pressure at zeta_m, and its change from the lightest load that has one."""
+    lightest = int(np.argmax(np.isfinite(data.macro_magnification.values)))
+    data = derive(data, macro_area_persson_each="erf(2**.5 * reduced_pressure / macro_gradient_share_each)")
+    for which in ("", "_persson"):
+        area = f"macro_area{which}"
+        areas = ratio_of_means(f"{area}_each.isel(load={lightest})", f"{area}_each", "surface")
+        loads = f"reduced_pressure / reduced_pressure.isel(load={lightest})"
+        data = derive(data, **{f"macro_pressure_ratio{which}_each": f"({areas}) * {loads}"})
+        data = derive(
+            mean(data, area, f"macro_pressure_ratio{which}"),
+            **{f"macro_pressure{which}": f"reduced_pressure / {area}"},
+            **{f"macro_pressure_shift{which}": f"(macro_pressure_ratio{which} - 1) / {_SAME}"},
+        )
+    return data
 
 
 def views(data: xr.Dataset) -> Views:
@@ -143,7 +164,7 @@ def views(data: xr.Dataset) -> Views:
     pressures = [
         Line("contact_pressure", by="magnification", at=seen),
         Line("macro_pressure", label="at zeta_m", look={"color": "black", "marker": "*"}),
-        Line("macro_pressure_persson", label="at zeta_m, Persson"),
+        Line("macro_pressure_persson", label="at zeta_m, Persson", look={"color": "black"}),
         Line("reduced_pressure", label="p*: full contact", look=plain),
     ]
     percolates = "percolation_area" in data
@@ -207,7 +228,7 @@ def _macroasperities(data: xr.Dataset, which: str, of: str) -> Finding:
         "Pressure in the macroasperities of {of} over E* h'_rms, and whether it is that at the lightest load: {each}.",
         data.isel(load=np.flatnonzero(data[f"macro_pressure{which}"].notnull().values)),
         item=f"{{macro_pressure{which}}} at p* = {{reduced_pressure}} ({{verdict}}; "
-        f"zeta_m = {{macro_magnification{which}:~}}, A/A0 = {{macro_area{which}:~}})",
+        f"zeta_m = {{macro_magnification:~}}, A/A0 = {{macro_area{which}:~}})",
         by=f"macro_pressure_shift{which}",
         words=_STAYS,
         of=of,
