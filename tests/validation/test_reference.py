@@ -279,7 +279,9 @@ def test_the_size_of_the_sample_is_twice_the_change_that_is_seen_and_its_interva
     halves = np.array([[half], [half / 2**0.5], [half]])
     assert_allclose(size.values[1], 2 * (2 * seen + halves), rtol=1e-12)
     single = with_size(table, *(part.sel(bandwidth=[8.0]) for part in (small, larger)))
-    assert_allclose(single.gap_error.sel(source="size").values[2], [[0.2 + 2 * half, 2 * half]] * 3, rtol=1e-12)
+    assert_allclose(
+        single.gap_error.sel(source="size").values[2], [[0.2 + 2 * half, 2 * half]] * 3, rtol=1e-12
+    )
     total = total_error(whole, "gap", sources=["surfaces", "size"])
     assert total.values[2, 0] == pytest.approx(np.hypot(0.006, size.values[2, 0]))
     assert whole.attrs["larger_periods"] == 8.0
