@@ -41,11 +41,35 @@ def wrong():
     return card_of(2.0)
 
 
-def test_a_right_solver_passes_every_row_and_no_fault_is_named():
-    card = card_of(1.0)
-    assert [(verdict.case, verdict.error) for verdict in card.failed] == []
-    assert card.diagnosis == ""
-    assert card.cost
+@pytest.fixture(scope="module")
+def right():
+    return card_of(1.0)
+
+
+def test_a_right_solver_passes_every_row_and_no_fault_is_named(right):
+    assert [(verdict.case, verdict.error) for verdict in right.failed] == []
+    assert right.diagnosis == ""
+    assert right.cost
+
+
+def test_a_wrong_solver_beside_a_right_one_is_named_in_every_sentence(right, wrong):
+    verdicts = [replace(verdict, solver="soft") for verdict in wrong.verdicts]
+    views = claims_views(claims_dataset([*right.verdicts, *verdicts], [right, wrong]))
+    assert views.cards[0].answer.text.startswith(f"no: {len(wrong.failed)} of ")
+    assert (views.cards[1].question, views.cards[1].answer.text) == (
+        "What is wrong with soft?",
+        wrong.diagnosis,
+    )
+    assert views.cards[2].basis.text.startswith("toy, one rough surface")
+    assert all(one.text.startswith("soft: ") for one in views.findings[:-1])
+    alike = claims_views(
+        claims_dataset([*right.verdicts, *(replace(v, solver="b") for v in right.verdicts)], [right] * 2)
+    )
+    assert [one.text.partition(":")[0] for one in alike.findings] == [
+        "Every claim holds",
+        "Nearest to its tolerance",
+    ]
+    assert f"{2 * len(right.counted)} of them" in alike.findings[0].text
 
 
 def test_what_is_wrong_stands_on_the_page_and_in_the_sentence(wrong):

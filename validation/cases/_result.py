@@ -219,36 +219,37 @@ def _cards(data: xr.Dataset) -> list[Card]:
     words = "no: {claims_failed} of {claims_judged} fail" if failed else "yes"
     basis = finding("value", "{claims_judged} claims with {checks_made} numbers", data)
     cards = [Card("Does everything hold?", finding("value", words, data), basis)]
+    several = data.sizes["solver"] > 1
+    for k in np.flatnonzero(data.diagnosis.values != "") if "diagnosis" in data else ():
+        of = f" with {data.solver.values[k]}" if several else ""
+        cards.append(Card(f"What is wrong{of}?", finding("value", "{diagnosis}", data.isel(solver=k))))
     first = data.isel(solver=0)
-    if "diagnosis" in data and str(first.diagnosis.item()):
-        cards.append(Card("What is wrong?", finding("value", "{diagnosis}", first)))
     if "seconds_needed" in data and bool(first.seconds_needed.notnull().any()):
         cost = first.sel(area_accuracy=0.01)
         words = "{seconds_needed:u}" if np.isfinite(cost.seconds_needed) else "not reached"
-        basis = note("of one rough surface, lambda_long/lambda_short = 4")
+        of = "{solver}, " if several else "of "
+        basis = finding("value", of + "one rough surface, lambda_long/lambda_short = 4", first)
         cards.append(Card("Processor time to 1 % of the area", finding("cost", words, cost), basis))
     return cards
 
 
 def _findings(data: xr.Dataset) -> list[Finding]:
     """Say which numbers are missed, and which of those that hold is nearest to its tolerance."""
-    mine = np.full(data.sizes["check"], True)
-    if "diagnosis" in data:
-        mine = data.check_solver.values == data.solver.values[0]
-        data = data.isel(solver=[0])
+    of = "{solver}: " if "diagnosis" in data and data.sizes["solver"] > 1 else ""
     crashed = ((data.verdict == "FAILS") & (data.reason != "")).transpose("claim", "solver").values
+    words = of + "{claim} could not be computed: {reason}."
     findings = [
-        finding("refusal", "{claim} could not be computed: {reason}.", data.isel(claim=int(i), solver=int(j)))
-        for i, j in np.argwhere(crashed)
+        finding("refusal", words, data.isel(claim=int(i), solver=int(j))) for i, j in np.argwhere(crashed)
     ]
     number = "{check_quantity} is {check_value:~}, allowed is {check_reference:~} within {check_tolerance:~}"
-    missed = np.flatnonzero(mine & (data.check_verdict.values == "FAILS"))
-    of_claim: dict[str, list[int]] = {}
+    of_check = of.replace("{", "{check_")
+    missed = np.flatnonzero(data.check_verdict.values == "FAILS")
+    of_claim: dict[tuple[str, str], list[int]] = {}
     for k in missed[np.argsort(-np.nan_to_num(data.check_used.values[missed], nan=np.inf), kind="stable")]:
-        of_claim.setdefault(str(data.check_claim.values[k]), []).append(int(k))
+        of_claim.setdefault((data.check_solver.values[k], data.check_claim.values[k]), []).append(int(k))
     for places in of_claim.values():
         more = f" ({len(places)} numbers of it fail)" if len(places) > 1 else ""
-        words = "{check_claim} FAILS: " + number + more + "."
+        words = f"{of_check}{{check_claim}} FAILS: {number}{more}."
         findings.append(finding("value", words, data.isel(check=places[0])))
     if len(findings) > _FINDINGS + 1:
         rest = float(len(findings) - _FINDINGS)
@@ -258,9 +259,9 @@ def _findings(data: xr.Dataset) -> list[Finding]:
     findings = [finding("value", "Every claim holds: {claims_judged} of them.", data)]
     # Ranges, in which any place is good, are not near to anything.
     wide = data.check_tolerance > 0.2 * abs(data.check_reference.where(data.check_reference != 0, np.inf))
-    share = np.where(mine & ~wide.values, data.check_used.values, np.nan)
+    share = np.where(~wide.values, data.check_used.values, np.nan)
     if np.isfinite(share).any():
-        words = "Nearest to its tolerance: {check_claim}: " + number + " ({check_used:%} of it)."
+        words = f"Nearest to its tolerance: {of_check}{{check_claim}}: {number} ({{check_used:%}} of it)."
         findings.append(finding("value", words, data.isel(check=int(np.nanargmax(share)))))
     return findings
 
