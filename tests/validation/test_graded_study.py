@@ -14,7 +14,7 @@ def data(numbers):
 
 
 def test_the_worst_errors_are_those_of_the_waves_and_of_those_where_the_claim_holds(data):
-    error = data.felt_modulus_profile - 1
+    error = data.felt_ratio_profile - 1
     mild = error.where(data.grading < 1)
     np.testing.assert_allclose(data.felt_error_profile, [error[0].max(), error[1].min()], rtol=1e-12)
     np.testing.assert_allclose(data.felt_error_mild, [mild[0].max(), mild[1].min()], rtol=1e-12)

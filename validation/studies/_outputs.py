@@ -86,7 +86,12 @@ def _cards(data: xr.Dataset, views: Views) -> Iterator[Card]:
     if half is not None and bool((half > 0).any()):
         held = dict.fromkeys(sources_of(here[f"{name}_error"]) for here in each(data, *places))
         basis = f"95 %: {' or '.join(filter(None, held)) or 'all sources of this spectrum and period'}"
-        yield Card("How sure?", f"+- {_range(half / abs(data[name]), percent)}", basis)
+        share = half / abs(data[name])
+        # Of what may be nothing a share of it says nothing.
+        sure = _range(half, lambda value: in_prefixed_unit(value, what.unit, 2))
+        if not (share > 1).any():
+            sure = _range(share, percent)
+        yield Card("How sure?", f"+- {sure}", basis)
     if f"{name}_persson" in data and bool(data[f"{name}_persson"].notnull().any()):
         data = derive(data, distance=f"{name} / {name}_persson - 1")
         answer = _range(data.distance, lambda value: f"{round(100 * value, 3):+.3g} %")
