@@ -267,21 +267,21 @@ def test_the_size_of_the_sample_is_twice_the_change_that_is_seen_and_its_interva
         made = xr.Dataset(data, coords=coords, attrs={"periods": periods})
         return claim(made, *QUANTITIES, surfaces=width)
 
-    table = cells([2.0, 2.0], 0.006, hursts=[0.3, 0.5, 0.8], bandwidths=[8.0, 16.0, 32.0], periods=4.0)
+    table = cells([2.0, 2.0], 0.006, hursts=[0.3, 0.55, 0.8], bandwidths=[8.0, 16.0, 32.0], periods=4.0)
     there = {"hursts": [0.3, 0.8], "bandwidths": [8.0, 32.0]}
     small = cells([1.0, 1.0], 0.003, **there, periods=4.0)
-    larger = cells([[1.05, 1.0], [1.0, 1.02]], 0.004, **there, periods=8.0)
+    seen = np.array([[0.05, 0.0], [0.0, 0.02]])
+    larger = cells([1 + seen, 1.01 + seen], 0.004, **there, periods=8.0)
     whole = with_size(table, small, larger)
     # 5 % at the first load, 0 at four times the bandwidth, each to 0.5 % over the root of two Hurst
-    # exponents; 0 and 2 % at the second. Between them half of both.
+    # exponents; 0 and 2 % at the second. Between them half of both. At the larger H 1 % more.
     size = whole.gap_error.sel(source="size")
-    seen, half = np.array([[0.05, 0.0], [0.025, 0.01], [0.0, 0.02]]), 0.005 / 2**0.5
-    halves = np.array([[half], [half / 2**0.5], [half]])
-    assert_allclose(size.values[1], 2 * (2 * seen + halves), rtol=1e-12)
+    between = np.insert(seen, 1, seen.mean(0), axis=0) + 0.005
+    halves = 0.005 / np.array([[2], [4], [2]]) ** 0.5
+    assert_allclose(size.values[1], 2 * (2 * between + halves), rtol=1e-9)
     single = with_size(table, *(part.sel(bandwidth=[8.0]) for part in (small, larger)))
-    assert_allclose(
-        single.gap_error.sel(source="size").values[2], [[0.2 + 2 * half, 2 * half]] * 3, rtol=1e-12
-    )
+    one = single.gap_error.sel(source="size").values[2]
+    assert_allclose(one, [2 * (2 * (seen[0] + 0.01) + 0.005)] * 3, rtol=1e-9)
     total = total_error(whole, "gap", sources=["surfaces", "size"])
     assert total.values[2, 0] == pytest.approx(np.hypot(0.006, size.values[2, 0]))
     assert whole.attrs["larger_periods"] == 8.0

@@ -199,22 +199,37 @@ def with_size(table: xr.Dataset, small: xr.Dataset, larger: xr.Dataset) -> xr.Da
 
     .. math:: s = 2 |\bar d| + w, \qquad d = Q_\mathrm{larger} / Q_\mathrm{small} - 1
 
-    What is left after a doubling is at most that once more, if it falls like 1/L or faster. d is fitted by a straight line in the logarithm of the bandwidth, weighed by the surfaces' variances, for each of
-    `QUANTITIES` and load; w is half of the 95 % interval of the line. Of a single bandwidth it is a constant.
+    What is left after a doubling is at most that once more, if it falls like 1/L or faster. d is fitted by a plane
+    in H and the logarithm of the bandwidth, weighed by the surfaces' variances, for each of `QUANTITIES` and
+    load; w is half of the 95 % interval of the plane. Of a single H or bandwidth it does not depend on it.
     """
-    claimed, cells = table, ("hurst", "bandwidth")
-    x, at = np.log(small.bandwidth), np.log(table.bandwidth)
+    claimed, dims = table, ("reduced_pressure", "hurst", "bandwidth")
+
+    def flat(values: xr.DataArray, like: xr.Dataset) -> Array:
+        """Return an array of loads, with the cells of each in a row."""
+        along = values.broadcast_like(like[QUANTITIES[0]]).transpose(..., *dims)
+        return np.reshape(along.values, (along.sizes["reduced_pressure"], -1))
+
+    places = [[flat(of, part) for of in (part.hurst, np.log(part.bandwidth))] for part in (small, table)]
     for name in QUANTITIES:
         widths = [part[f"{name}_error"].sel(source="surfaces", drop=True) for part in (small, larger)]
         # Nothing gives way in full contact, on samples of any size.
         scale = abs(small[name]).where(small[name] != 0, 1.0)
-        weight = ((widths[0] ** 2 + widths[1] ** 2) / scale**2).clip(min=_SURE**2) ** -1.0
-        change, whole = (larger[name] - small[name]) / scale, weight.sum(cells)
-        middle = (weight * x).sum(cells) / whole
-        spread = (weight * (x - middle) ** 2).sum(cells)
-        spread = spread.where(spread > _SURE * whole, np.inf)
-        slope = (weight * (x - middle) * change).sum(cells) / spread
-        line = (weight * change).sum(cells) / whole + slope * (at - middle)
-        half = (1 / whole + (at - middle) ** 2 / spread) ** 0.5
-        claimed = claim(claimed, name, size=abs(table[name]) * (2 * abs(line) + half))
+        weight = flat(((widths[0] ** 2 + widths[1] ** 2) / scale**2).clip(min=_SURE**2) ** -1.0, small)
+        change = flat((larger[name] - small[name]) / scale, small)
+        share = np.empty_like(places[1][0])
+        for j, (w, d) in enumerate(zip(weight, change, strict=True)):
+            middles = [np.average(place[j], weights=w) for place in places[0]]
+            planes = [
+                np.stack(
+                    [np.ones_like(there[0][j]), *(p[j] - m for p, m in zip(there, middles, strict=True))], 1
+                )
+                for there in places
+            ]
+            covariance = np.linalg.pinv((planes[0].T * w) @ planes[0], rcond=1e-9, hermitian=True)
+            half = np.einsum("ia,ab,ib->i", planes[1], covariance, planes[1]) ** 0.5
+            share[j] = 2 * abs(planes[1] @ covariance @ planes[0].T @ (w * d)) + half
+        like = table[name].transpose(..., *dims)
+        size = like.copy(data=np.reshape(share, like.shape)) * abs(like)
+        claimed = claim(claimed, name, size=size.transpose(*table[name].dims))
     return claimed.assign_attrs(larger_periods=larger.attrs["periods"])

@@ -16,7 +16,7 @@ ATTRIBUTES: dict[str, Any] = {
     "title": "Contact of self-affine surfaces: area, gap, compliance, elastic energy, patches",
     "institution": "The fem-contact developers",
     "source": "boundary elements (fem-contact), controlled means over surfaces: fem-contact study reference",
-    "product_version": "3.3",
+    "product_version": "3.4",
     "license": "BSD-3-Clause",
     "references": cited("docs/reference_table.md; [persson2006]"),
     "definition": "Periodic square of side L = 4 lambda_long; h(x) = sum_q B(q) cos(q.x + phi(q)) over "
