@@ -27,13 +27,14 @@ from validation.comparison.run_views import run_views
 from validation.execution.bench import Bench
 from validation.execution.outputs import show
 from validation.execution.results import read_results, record_of
+from validation.report.estimates import total_error
 from validation.report.figure import new_figure, readable_ticks, save_figure
 from validation.report.findings import note
 from validation.report.marks import Figure, Line, Panel, draw, panels_along
 from validation.report.page import Page, Placed, render, write_page
 from validation.report.table import ResultTable, WordTable, shown, write_dataset
 from validation.report.views import Card, Views
-from validation.report.words import mathematics
+from validation.report.words import mathematics, percent
 from validation.studies import find_study
 from validation.studies._outputs import _cards, _undetermined, run_study, study_page
 
@@ -92,10 +93,15 @@ def test_a_study_answers_on_its_first_screen_with_interval_and_distance_to_the_t
     page, folder, _ = outputs["study"]
     assert page.seeds == "3 is the first; each further surface has its own"
     answer, sure, distance = page.answers
-    table = read_results(folder).data.area
+    data = read_results(folder).data
+    table, half = data.area, total_error(data, "area")
     assert answer.answer == f"{table.min().item():.4g} to {table.max().item():.4g}"
     assert (answer.basis, sure.basis) == ("p* = 0.02 to p* = 0.5", "95 %: surfaces, grid")
-    assert sure.answer.startswith("+- 19 % to")
+    # One of them is as large as the area: a share of that says nothing.
+    assert (half / table).max() > 1
+    assert sure.answer == f"+- {half.min().item():.2g} to {half.max().item():.2g}"
+    narrow = list(_cards(data.assign(area_error=data.area_error / 20), Views(budget=("area",))))[1]
+    assert narrow.answer == f"+- {percent((half / table / 20).min())} to {percent((half / table / 20).max())}"
     assert distance.question == "How far from Persson's theory?"
     assert " of 3 cases they agree within the 95 % interval" in distance.basis
 

@@ -64,7 +64,7 @@ def _on_grids(data: xr.Dataset, first: int) -> Iterator[Figure]:
                 look={"color": colour},
             )
             for method, colour in zip(
-                data.other.values, cycle(("#0b5394", "#b45f06", "#38761d")), strict=False
+                data.other.values, cycle(("#0b5394", "#b45f06", "#741b47")), strict=False
             )
             for name, how in (("pixel", "counted"), ("perimeter", "corrected"))
         ]

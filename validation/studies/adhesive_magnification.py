@@ -247,6 +247,8 @@ def _findings(data: xr.Dataset, ends: list[int]) -> Iterator[Finding]:
     form = "The theory knows no range: with half of it (zeta = {magnification}, first surface) A/A0 is {area_half_range} for "
     form += "{area_each}, and F/F_load {force_inside_half_range} for {force_inside_each}."
     yield finding("value", form, full_work.isel(surface=0, magnification=1))
-    form = "Parted from full contact instead of approached, A/A0 of a single surface is larger by up to "
-    form += "{area_parted_excess_largest}: its energy has several minima, of which the theory has one."
+    form = "Parted from full contact instead of approached, A/A0 of a single surface is "
+    several = bool((data.area_parted_excess_largest > 1e-3).any())
+    minima = ": its energy has several minima, of which the theory has one."
+    form += "larger by up to {area_parted_excess_largest}" + minima if several else "the same within 0.001."
     yield finding("value", form, data)
