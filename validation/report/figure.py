@@ -45,7 +45,7 @@ STYLES = ["-", "--", "-.", ":"]
 
 #: What is told apart by symbol and colour.
 SYMBOLS = ("o", "s", "^", "D", "v", "P", "X", "*")
-COLOURS = ("#0b5394", "#b45f06", "#741b47", "#134f5c", "#7f6000", "#444444", "#990000", "#38761d")
+COLOURS = ("#0b5394", "#b45f06", "#741b47", "#7f6000", "#134f5c", "#444444", "#990000", "#38761d")
 #: Digits of the labels of a logarithmic axis, most to least.
 _TICKS: tuple[tuple[float, ...], ...] = ((1, 2, 3, 5, 7), (1, 2, 5), (1, 3), (1,))
 
