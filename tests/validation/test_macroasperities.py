@@ -5,6 +5,7 @@ import pytest
 import xarray as xr
 
 from fem_contact import HalfSpace, bem, contact_areas, percolates
+from fem_contact.patches import find_patches
 from persson.elastic import area_against_magnification
 from validation.measurements.measurement import grid_for, without_waves_beyond
 from validation.report.estimates import derive, mean, total_error
@@ -39,6 +40,20 @@ def test_areas_and_shares_are_those_of_the_surface_with_its_waves_up_to_zeta(opt
     inside = whole.pressure[seen.in_contact].sum() / whole.pressure.sum()
     assert float(data.load_inside_each[2, 1, 1]) == pytest.approx(inside, rel=1e-4)
     assert data.load_inside_each.values[..., -1] == pytest.approx(1.0, abs=1e-12)
+
+
+def test_what_the_grid_leaves_is_twice_what_half_its_spacing_changes_on_the_first_surface(options, data):
+    finer = options.model_copy(update={"points_per_wave": 2 * options.points_per_wave})
+    coarse, fine = (pressed(one, 0, zeta=2.0, load=0.05) for one in (options, finer))
+    areas = [contact_areas(state, subcell=True).subcell for state in (coarse, fine)]
+    patches = [find_patches(state.in_contact, state.spacing).count for state in (coarse, fine)]
+    here = data.isel(load=1, magnification=2)
+    told = {name: float(here[f"{name}_error"].sel(source="grid")) for name in ("area", "patch_density")}
+    assert told["area"] == pytest.approx(2 * abs(areas[1] - areas[0]), rel=1e-2)
+    assert told["patch_density"] == pytest.approx(2 * abs(patches[1] - patches[0]) / options.periods**2)
+    lightest = data.isel(load=1).macro_pressure_ratio_error.sel(source="grid")
+    assert float(lightest) == pytest.approx(0.0, abs=1e-12)
+    assert float(data.isel(load=2).macro_pressure_ratio_error.sel(source="grid")) > 0
 
 
 def test_the_gradient_of_the_waves_that_are_there_is_what_the_theory_is_told(data):

@@ -7,7 +7,7 @@ of contact break up, contact and gap join up, and the regions seen where ln A be
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Annotated
+from typing import Annotated, Any
 
 import numpy as np
 import xarray as xr
@@ -17,15 +17,15 @@ from persson.errors import OutsideTheory
 from persson.percolation import SITE_THRESHOLD
 from persson.separation import macroasperity_magnification
 from validation.execution.bench import Bench
+from validation.execution.measurement import Call
 from validation.measurements.common import Rising, RisingOrNone, RisingSeveral, base_case
-from validation.measurements.limits import ABSENT, stored_variables
+from validation.measurements.limits import ABSENT, solved, stored_variables
 from validation.measurements.magnified import magnified
 from validation.measurements.measurement import grid_for
-from validation.report.estimates import claim, derive, mean, nearest, ratio_of_means
+from validation.report.estimates import claim, derive, gather, mean, nearest, ratio_of_means
 from validation.report.views import Figure, Finding, Level, Line, Table, Views, against, finding
 from validation.scenes.problem import ContactProblem
 from validation.studies._options import Bandwidth, Hurst, Periods, Seed, StudyOptions, Surfaces
-from validation.studies._study import gathered
 
 
 class Options(StudyOptions):
@@ -61,35 +61,52 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     (surface, phase, percolating, axis); ``macro_magnification`` where ln A of the theory bends most, and area and
     pressure of simulation and theory (``_persson``) there (surface, load).
     """
-    first = options.first
+    first, points = options.first, options.points_per_wave
     bends = {p: _bend(options, p) for p in options.reduced_pressures}
-    cases = {
-        k: magnified(
-            problem=first.further(k),
-            grid=grid_for(first, options.points_per_wave),
-            reduced_pressures=options.reduced_pressures,
-            magnifications=options.magnifications,
-            percolating=options.percolating,
-            bends=tuple((p, zeta) for p, zeta in bends.items() if np.isfinite(zeta)),
-        )
-        for k in range(options.surfaces)
+    asked: dict[str, Any] = {
+        "reduced_pressures": options.reduced_pressures,
+        "magnifications": options.magnifications,
+        "bends": tuple((p, zeta) for p, zeta in bends.items() if np.isfinite(zeta)),
     }
-    data = gathered(bench, cases, lambda d, _: stored_variables(d), "surface").assign_coords(
-        reduced_pressure=("load", list(options.reduced_pressures)),
+    finer: dict[Any, Call] = {"finer": magnified(problem=first, grid=grid_for(first, 2 * points), **asked)}
+    asked |= {"grid": grid_for(first, points), "percolating": options.percolating}
+    cases = {k: magnified(problem=first.further(k), **asked) for k in range(options.surfaces)}
+    loads: dict[str, Any] = {"reduced_pressure": ("load", list(options.reduced_pressures))}
+    measured = {k: stored_variables(d) for k, d in solved(bench, {**cases, **finer}).items()}
+    on_finer = measured.pop("finer").assign_coords(loads)
+    data = gather(measured, "surface").assign_coords(
+        **loads,
         magnification=list(options.magnifications),
         percolating_pressure=("percolating", list(options.percolating)),
     )
     data = derive(
-        data,
+        data.assign(macro_magnification=("load", [*bends.values()])),
         area_persson_each="erf(2**.5 * reduced_pressure / gradient_share_each)",
+        macro_area_persson_each="erf(2**.5 * reduced_pressure / macro_gradient_share_each)",
         contact_pressure_each="reduced_pressure / area_each",
         contact_pressure_ratio_each="contact_pressure_each / contact_pressure_each.isel(load=0)",
     )
-    data = mean(data, "area", "area_persson", "patch_density", "relative_patch_size", "largest_patch")
-    data = mean(data, "area_inside", "load_inside", "contact_pressure_ratio")
+    lightest = int(np.argmax(np.isfinite(data.macro_magnification.values)))
+    for which in ("", "_persson"):
+        area = f"macro_area{which}_each"
+        areas = ratio_of_means(f"{area}.isel(load={lightest})", area, "surface")
+        ratio = f"({areas}) * reduced_pressure / reduced_pressure.isel(load={lightest})"
+        data = derive(data, **{f"macro_pressure_ratio{which}_each": ratio})
+        data = mean(data, f"macro_area{which}", f"macro_pressure_ratio{which}")
+    data = mean(data, "area_persson", "contact_pressure_ratio", *_COUNTED)
+    # Errors of order dx, or smaller, are at most twice what half of dx changes.
+    coarse, fine = (_numbers(one, lightest) for one in (data.isel(surface=0), on_finer))
+    for name in fine:
+        data = claim(data, name, grid=2 * abs(fine[name] - coarse[name]))
     data = claim(data, "area", "load_inside", **ABSENT)
+    for which in ("", "_persson"):
+        data = derive(
+            data,
+            **{f"macro_pressure{which}": f"reduced_pressure / macro_area{which}"},
+            **{f"macro_pressure_shift{which}": f"(macro_pressure_ratio{which} - 1) / {_SAME}"},
+        )
     data = derive(
-        _with_macroasperities(data.assign(macro_magnification=("load", [*bends.values()]))),
+        data,
         contact_pressure="reduced_pressure / area",
         contact_pressure_shift=f"(contact_pressure_ratio - 1) / {_SAME}",
         load_inside_excess=f"load_inside - {_DOMINANT}",
@@ -98,6 +115,21 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
         data = _with_thresholds(data)
     spectrum = options.model_dump(include={"hurst", "periods", "bandwidth", "points_per_wave"})
     return data.assign_attrs(methods="theory bem", **spectrum)
+
+
+#: What is read off a contact.
+_COUNTED = ("area", "patch_density", "relative_patch_size", "largest_patch", "area_inside", "load_inside")
+
+
+def _numbers(one: xr.Dataset, lightest: int) -> dict[str, xr.DataArray]:
+    """Return what a single surface says of all numbers that are means of simulated ones."""
+    loads = one.reduced_pressure
+    pressures = {
+        "contact_pressure_ratio": (one.area_each, 0),
+        "macro_pressure_ratio": (one.macro_area_each, lightest),
+    }
+    ratios = {n: a.isel(load=k) / a * loads / loads.isel(load=k) for n, (a, k) in pressures.items()}
+    return {name: one[f"{name}_each"] for name in (*_COUNTED, "macro_area")} | ratios
 
 
 #: How far a pressure may move and still be called the same.
@@ -132,23 +164,6 @@ def _bend(options: Options, reduced: float) -> float:
     except OutsideTheory:
         return float("nan")
     return found if low <= found <= high else float("nan")
-
-
-def _with_macroasperities(data: xr.Dataset) -> xr.Dataset:
-    """Add the pressure at zeta_m, and its change from the lightest load that has one."""
-    lightest = int(np.argmax(np.isfinite(data.macro_magnification.values)))
-    data = derive(data, macro_area_persson_each="erf(2**.5 * reduced_pressure / macro_gradient_share_each)")
-    for which in ("", "_persson"):
-        area = f"macro_area{which}"
-        areas = ratio_of_means(f"{area}_each.isel(load={lightest})", f"{area}_each", "surface")
-        loads = f"reduced_pressure / reduced_pressure.isel(load={lightest})"
-        data = derive(data, **{f"macro_pressure_ratio{which}_each": f"({areas}) * {loads}"})
-        data = derive(
-            mean(data, area, f"macro_pressure_ratio{which}"),
-            **{f"macro_pressure{which}": f"reduced_pressure / {area}"},
-            **{f"macro_pressure_shift{which}": f"(macro_pressure_ratio{which} - 1) / {_SAME}"},
-        )
-    return data
 
 
 def views(data: xr.Dataset) -> Views:
