@@ -203,33 +203,30 @@ def with_size(table: xr.Dataset, small: xr.Dataset, larger: xr.Dataset) -> xr.Da
     in H and the logarithm of the bandwidth, weighed by the surfaces' variances, for each of `QUANTITIES` and
     load; w is half of the 95 % interval of the plane. Of a single H or bandwidth it does not depend on it.
     """
-    claimed, dims = table, ("reduced_pressure", "hurst", "bandwidth")
+    dims = ("reduced_pressure", "hurst", "bandwidth")
+    middle = [float(of.mean()) for of in (small.hurst, np.log(small.bandwidth))]
 
-    def flat(values: xr.DataArray, like: xr.Dataset) -> Array:
-        """Return an array of loads, with the cells of each in a row."""
-        along = values.broadcast_like(like[QUANTITIES[0]]).transpose(..., *dims)
-        return np.reshape(along.values, (along.sizes["reduced_pressure"], -1))
+    def plane(part: xr.Dataset) -> Array:
+        places = np.meshgrid(part.hurst - middle[0], np.log(part.bandwidth) - middle[1], indexing="ij")
+        return np.stack([np.ones(places[0].size), *(of.ravel() for of in places)], 1)
 
-    places = [[flat(of, part) for of in (part.hurst, np.log(part.bandwidth))] for part in (small, table)]
+    def flat(values: xr.DataArray) -> Array:
+        return values.transpose(..., *dims).values.reshape(small.sizes["reduced_pressure"], -1)
+
+    claimed, here, there = table, plane(small), plane(table)
     for name in QUANTITIES:
         widths = [part[f"{name}_error"].sel(source="surfaces", drop=True) for part in (small, larger)]
         # Nothing gives way in full contact, on samples of any size.
         scale = abs(small[name]).where(small[name] != 0, 1.0)
-        weight = flat(((widths[0] ** 2 + widths[1] ** 2) / scale**2).clip(min=_SURE**2) ** -1.0, small)
-        change = flat((larger[name] - small[name]) / scale, small)
-        share = np.empty_like(places[1][0])
-        for j, (w, d) in enumerate(zip(weight, change, strict=True)):
-            middles = [np.average(place[j], weights=w) for place in places[0]]
-            planes = [
-                np.stack(
-                    [np.ones_like(there[0][j]), *(p[j] - m for p, m in zip(there, middles, strict=True))], 1
-                )
-                for there in places
-            ]
-            covariance = np.linalg.pinv((planes[0].T * w) @ planes[0], rcond=1e-9, hermitian=True)
-            half = np.einsum("ia,ab,ib->i", planes[1], covariance, planes[1]) ** 0.5
-            share[j] = 2 * abs(planes[1] @ covariance @ planes[0].T @ (w * d)) + half
+        weight = flat(((widths[0] ** 2 + widths[1] ** 2) / scale**2).clip(min=_SURE**2) ** -1.0)
+        # So that cells without a scatter leave the others a say.
+        weight = np.minimum(weight, 1e6 * np.median(weight, axis=1, keepdims=True))
+        change = flat((larger[name] - small[name]) / scale)
+        normal = np.einsum("ca,lc,cb->lab", here, weight, here)
+        inverse = np.linalg.pinv(normal, rcond=1e-12, hermitian=True)
+        found = np.einsum("lab,cb,lc->la", inverse, here, weight * change) @ there.T
+        half = np.einsum("ca,lab,cb->lc", there, inverse, there) ** 0.5
         like = table[name].transpose(..., *dims)
-        size = like.copy(data=np.reshape(share, like.shape)) * abs(like)
-        claimed = claim(claimed, name, size=size.transpose(*table[name].dims))
+        size = abs(like) * (2 * abs(found) + half).reshape(like.shape)
+        claimed = claim(claimed, name, size=size)
     return claimed.assign_attrs(larger_periods=larger.attrs["periods"])
