@@ -176,7 +176,7 @@ def test_without_ladders_size_and_bandwidth_are_not_measured_and_their_solves_no
     told = "--methods bem --no-ladders --hursts 0.2 --pairs 2 --periods 2 --bandwidths 2"
     options = find_study("hurst").parse(told.split())
     cases = hurst.design(options)
-    assert len(cases) == 5
+    assert len(cases) == 4
     data = hurst.run(options, bench=PlantedBench(_kappa_of))
     assert data.kappa_error.sel(source=["size", "bandwidth"]).isnull().all()
     assert all(one.by != "kappa_by_bandwidth_slope" for one in hurst.views(data).findings)

@@ -17,8 +17,8 @@ from validation.measurements.by_solver import beside_bem
 from validation.measurements.common import SHIFTS, Ladder, Rising
 from validation.measurements.convergence import Ladders, bandwidth_of, pressed_pairs, spectral_errors
 from validation.measurements.grids import method_limit
-from validation.measurements.limits import Measured, limits_of, solved, solver_error
-from validation.measurements.measurement import grid_for
+from validation.measurements.limits import Measured, limits_of, solved
+from validation.measurements.measurement import TOLERANCES_LEFT, grid_for
 from validation.measurements.references import ladders_beside_published, papers_of, published
 from validation.measurements.theory import RANKED, VARIANTS, ensemble_area, with_variants
 from validation.report.estimates import change, claim_shares, derive, gather, mean
@@ -116,15 +116,13 @@ _Case = tuple[Any, ...]
 
 
 def design(options: Options) -> dict[_Case, Call]:
-    """Return the solves: every spectrum's pairs, one of them with a smaller residual, and those of the ladders."""
+    """Return the solves: every spectrum's pairs, and those of the ladders."""
     cases: dict[_Case, Call] = {}
     for (family, hurst), bandwidth in options.spectra.items():
         surface = options.self_affine(hurst=hurst, bandwidth=bandwidth)
         loads, count = options.reduced_pressures, {"pairs": options.pairs, "shifts": options.shifts}
         solves = pressed_pairs(surface, loads, options.points_per_wave, **count)
         cases |= {(family, hurst, k): solve for k, solve in enumerate(solves)}
-    usual = next(iter(cases.values()))
-    cases["strict",] = usual.but(tolerance=usual["tolerance"] / 100)
     if options.others:
         cases |= _by_solver(options)
     return cases | (options.climbed.cases if options.climbed else {})
@@ -160,9 +158,8 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     """
     cases = design(options)
     measured = solved(bench, cases)
-    share = solver_error(measured[next(iter(cases))], measured["strict",])
     data = _of_spectra(options, cases, measured)
-    data = claim_shares(data, "kappa", solver=share)
+    data = claim_shares(data, "kappa", solver=TOLERANCES_LEFT * next(iter(cases.values()))["tolerance"])
     if options.others:
         data = data.merge(_of_solvers(options, cases, measured), combine_attrs="override")
     if options.climbed:

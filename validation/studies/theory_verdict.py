@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -12,13 +11,12 @@ import xarray as xr
 from validation.execution.bench import Bench
 from validation.measurements.convergence import Ladders, spectral_errors
 from validation.measurements.distributions import largest_difference
-from validation.measurements.limits import solved, solver_error
+from validation.measurements.limits import solved
 from validation.measurements.load_path import moved_shares
-from validation.measurements.measurement import grids_for, press_on_grids
+from validation.measurements.measurement import TOLERANCE, TOLERANCES_LEFT
 from validation.measurements.theory import RANKED, modes_finding
 from validation.report.estimates import claim_shares
 from validation.report.views import Figure, Finding, Table, Views, against
-from validation.scenes.tables import Load
 from validation.studies import pressure
 from validation.theories import find_theory
 from validation.theories.persson_variants import persson_variants
@@ -48,8 +46,8 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     # What is unknown is refused before anything is solved.
     theories = (*persson_variants(), *map(find_theory, options.theory))
     data = pressure.measured_path(options, bench=bench)
-    shares: dict[str, Any] = {"solver": _solver_share(options, bench), **_spectral_shares(options, bench)}
-    data = claim_shares(data, "area", **shares)
+    shares: dict[str, Any] = {"solver": TOLERANCES_LEFT * options.tolerance(TOLERANCE)}
+    data = claim_shares(data, "area", **shares, **_spectral_shares(options, bench))
     data = distances(beside(data, theories, options.pressed))
     pooled = data.stress_share_each.sum("surface").values
     predicted = (stress_shares(theory, options.first, options.reduced_pressures) for theory in theories)
@@ -57,19 +55,6 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     made = {"reduction": "distance", "of": "stress_share_each"}
     data = moved_shares(data).assign(stress_distance=(("theory", "load"), np.array(distant), made))
     return data.assign_attrs(methods=RANKED)
-
-
-def _solver_share(options: Options, bench: Bench) -> float:
-    usual = press_on_grids(
-        problem=replace(options.first, load=Load(reduced_pressure=0.01)),
-        reduced_pressures=(0.01, 0.1, 1.0),
-        grids=grids_for(options.first, (4.0, 6.0, 8.0)),
-        shifts=options.shifts,
-        keep=("distributions",),
-    )
-    strict = usual.but(tolerance=usual["tolerance"] / 100)
-    both = bench.solve([usual, strict])
-    return solver_error(both[usual], both[strict])
 
 
 def _spectral_shares(options: Options, bench: Bench) -> dict[str, xr.DataArray]:
