@@ -41,6 +41,12 @@ def case(*, load=(0.1, 0.2), area=1.0):
     )
 
 
+def test_a_surface_whose_solve_failed_is_in_no_mean():
+    data = xr.Dataset({"area_each": ("surface", [0.2, np.nan, 0.4]), "solve": ("surface", ["a", "", "b"])})
+    assert mean(data, "area").area == pytest.approx(0.3)
+    assert np.isnan(mean(data.drop_vars("solve"), "area").area)
+
+
 def test_a_coordinate_is_one_along_the_dimensions_where_it_differs():
     parts = {(nu, k): case(load=(0.1 * (1 + nu), 0.2), area=k) for nu in NUS for k in range(3)}
     parts.pop((0.0, 2))

@@ -1,5 +1,7 @@
 """What a run finds is decided by values with intervals: other numbers change or reverse it."""
 
+import re
+
 import numpy as np
 import pytest
 import xarray as xr
@@ -122,6 +124,13 @@ def test_a_part_in_brackets_is_said_where_its_values_are():
     assert finding("value", form, data, kappa=2.0).text == "A/A0 = 0.1, kappa = 2."
     with pytest.raises(UsageError, match="no such quantity"):
         finding("value", "[{no_such}]", data)
+
+
+@pytest.mark.parametrize(("kind", "strange"), [("equivalence", "+"), ("trend", "within"), ("value", "0")])
+def test_words_of_outcomes_that_a_kind_has_not_are_refused(kind, strange):
+    data = claim(xr.Dataset({"area": 0.1}), "area", grid=0.01)
+    with pytest.raises(UsageError, match=f"{re.escape(strange)}: no outcome of the kind '{kind}'"):
+        finding(kind, "A/A0 = {area}", data, by="area", words={strange: "so"})
 
 
 @pytest.mark.parametrize(("kind", "by"), [("comparison", ""), ("value", "area"), ("no kind", "area")])

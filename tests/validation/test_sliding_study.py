@@ -76,7 +76,15 @@ def test_one_solid_is_given_with_units(tmp_path):
     assert table.velocities == (1e-3, 0.02)
     assert table.rubber().storage == (1e6, 1e9)
     for arguments, words in (
-        (["--modulus-table", str(file), "--unrelaxed", "1 GPa"], "give one solid"),
+        *(
+            (["--modulus-table", str(file), *others], "give one solid")
+            for others in (
+                ["--unrelaxed", "1 GPa"],
+                ["--relaxed", "1 MPa"],
+                ["--time", "1 ms"],
+                ["--moduli", "1 MPa", "--times", "1 s"],
+            )
+        ),
         (["--moduli", "1 MPa"], "must be as many"),
         (["--velocities", "2 m/s,1 m/s"], "rising"),
         (["--velocities", "2 m"], "is not a velocity"),

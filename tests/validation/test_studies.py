@@ -180,6 +180,12 @@ def test_options_of_a_study_are_refused_by_name_before_anything_runs(asked, word
     assert words in str(caught.value)
 
 
+def test_a_study_takes_ten_thousand_surfaces_and_any_seed():
+    assert find_study("area").parse(["--surfaces", "10000", "--seed", "123456"]).seed == 123456
+    with pytest.raises(UsageError, match="must be at most 10000"):
+        find_study("area").parse(["--surfaces", "10001"])
+
+
 @pytest.mark.parametrize(
     ("name", "why"),
     [

@@ -212,6 +212,8 @@ def finding(
         raise UsageError(
             f"finding {form!r}: the kind {kind!r} says no verdict, or 'by' names no value that decides"
         )
+    if strange := sorted(set(words or {}) - set(KINDS[kind][1])):
+        raise UsageError(f"finding {form!r}: {', '.join(strange)}: no outcome of the kind {kind!r}")
     for one in (form, item):
         if one.count("[") != one.count("]") or one != one.strip():
             raise UsageError(
