@@ -456,6 +456,7 @@ def test_a_conversion_levels_fills_and_tapers_and_says_so(tool, mistake, tmp_pat
 
 def test_studies_and_cases_and_scenes_are_listed_for_people_and_scripts(done):
     assert "--reduced-pressures numbers with commas" in done("study pressure --help")
+    assert done("study") == done("study --list") == done("study area --list")
     listed = done("study --list").splitlines()
     assert [sum(line.split()[:1] == [title] for line in listed) for title in ("How", "What")] == [3, 1]
     assert max(map(len, listed)) <= 80

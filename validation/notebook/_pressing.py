@@ -214,7 +214,7 @@ def _numbers(contact: Contact, *, limit: bool) -> xr.Dataset:
         over = contact.limit()
     except NoLimit:
         over = Value(value=math.nan, error=math.nan)
-    value, half = float(over.value), float(over.error or 0)
+    value, half = float(over.value), math.nan if over.error is None else over.error
     return row.assign(limit=value, limit_error=half, kappa_limit=value / load, kappa_limit_error=half / load)
 
 
