@@ -8,6 +8,7 @@ import xarray as xr
 from gold import check, make, shown
 from gold.asked import COMPARED, SCENES, STUDIES
 
+from validation.report.quantities import quantity
 from validation.scenes.scene import builtin_scenes
 from validation.studies import studies
 
@@ -24,6 +25,22 @@ def told(gold, new, data=DATA, rtol=check.RTOL_HERE):
 @pytest.mark.parametrize("name", ALL)
 def test_the_numbers_are_those_of_the_gold_file(name, bench, numbers, tmp_path):
     assert check.disagreements(name, bench, tmp_path, known=numbers) == []
+
+
+#: Studies work with ratios, which no choice of units changes, but for these quantities, times and bytes.
+IN_UNITS = {"heights": {"rms_height"}, "sliding": {"velocity"}}
+
+
+@pytest.mark.parametrize("name", STUDIES)
+def test_what_has_a_unit_in_a_study_depends_on_the_units_that_were_asked_for(name, numbers):
+    units = {str(n): variable.attrs.get("units", "1") for n, variable in numbers(name).variables.items()}
+    named = {
+        n.removesuffix("_error").removesuffix("_each")
+        for n, u in units.items()
+        if u not in ("1", "s", "byte")
+    }
+    found = {quantity(n).name for n in named}
+    assert found == IN_UNITS.get(name.partition(" ")[0], set())
 
 
 @pytest.mark.parametrize("scene", builtin_scenes())
