@@ -88,6 +88,15 @@ def test_what_is_wrong_stands_on_the_page_and_in_the_sentence(wrong):
         assert (f"({count} numbers of it fail)" in text) == (count > 1)
 
 
+def test_an_accuracy_costs_what_the_cheapest_grid_does_that_is_as_near_where_that_was_measured(right):
+    for accuracy in (0.1, 0.01):
+        near = [row.seconds for row in right.cost if row.area_miss <= accuracy]
+        assert right.needed("seconds", accuracy) == min(near) > 0
+    assert np.isnan(right.needed("seconds", 1e-12))
+    unknown = replace(right, cost=tuple(replace(row, peak_bytes=0) for row in right.cost))
+    assert np.isnan(unknown.needed("peak_bytes", 0.1))
+
+
 def test_names_that_come_again_have_a_number_from_the_second_on():
     assert _unique(["p", "u", "p", "p"]) == ["p", "u", "p (2)", "p (3)"]
 
