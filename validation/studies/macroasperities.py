@@ -73,31 +73,22 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     cases = {k: magnified(problem=first.further(k), **asked) for k in range(options.surfaces)}
     loads: dict[str, Any] = {"reduced_pressure": ("load", list(options.reduced_pressures))}
     measured = {k: stored_variables(d) for k, d in solved(bench, {**cases, **finer}).items()}
-    on_finer = measured.pop("finer").assign_coords(loads)
-    data = gather(measured, "surface").assign_coords(
-        **loads,
+    on_finer = {0: measured.pop("finer")}
+    zetas = ("load", [*bends.values()])
+    data, coarse, fine = (
+        _of_surfaces(gather(some, "surface").assign_coords(loads).assign(macro_magnification=zetas))
+        for some in (measured, {0: measured[0]}, on_finer)
+    )
+    data = data.assign_coords(
         magnification=list(options.magnifications),
         percolating_pressure=("percolating", list(options.percolating)),
     )
-    data = derive(
-        data.assign(macro_magnification=("load", [*bends.values()])),
-        area_persson_each="erf(2**.5 * reduced_pressure / gradient_share_each)",
-        macro_area_persson_each="erf(2**.5 * reduced_pressure / macro_gradient_share_each)",
-        contact_pressure_each="reduced_pressure / area_each",
-        contact_pressure_ratio_each="contact_pressure_each / contact_pressure_each.isel(load=0)",
-    )
-    lightest = int(np.argmax(np.isfinite(data.macro_magnification.values)))
-    for which in ("", "_persson"):
-        area = f"macro_area{which}_each"
-        areas = ratio_of_means(f"{area}.isel(load={lightest})", area, "surface")
-        ratio = f"({areas}) * reduced_pressure / reduced_pressure.isel(load={lightest})"
-        data = derive(data, **{f"macro_pressure_ratio{which}_each": ratio})
-        data = mean(data, f"macro_area{which}", f"macro_pressure_ratio{which}")
-    data = mean(data, "area_persson", "contact_pressure_ratio", *_COUNTED)
+    simulated = (*_COUNTED, "contact_pressure_ratio", "macro_area", "macro_pressure_ratio")
+    data = mean(data, "area_persson", "macro_area_persson", "macro_pressure_ratio_persson", *simulated)
     # Errors of order dx, or smaller, are at most twice what half of dx changes.
-    coarse, fine = (_numbers(one, lightest) for one in (data.isel(surface=0), on_finer))
-    for name in fine:
-        data = claim(data, name, grid=2 * abs(fine[name] - coarse[name]))
+    for name in simulated:
+        change = fine[f"{name}_each"] - coarse[f"{name}_each"]
+        data = claim(data, name, grid=2 * abs(change.isel(surface=0, drop=True)))
     data = claim(data, "area", "load_inside", **ABSENT)
     for which in ("", "_persson"):
         data = derive(
@@ -121,15 +112,22 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
 _COUNTED = ("area", "patch_density", "relative_patch_size", "largest_patch", "area_inside", "load_inside")
 
 
-def _numbers(one: xr.Dataset, lightest: int) -> dict[str, xr.DataArray]:
-    """Return what a single surface says of all numbers that are means of simulated ones."""
-    loads = one.reduced_pressure
-    pressures = {
-        "contact_pressure_ratio": (one.area_each, 0),
-        "macro_pressure_ratio": (one.macro_area_each, lightest),
-    }
-    ratios = {n: a.isel(load=k) / a * loads / loads.isel(load=k) for n, (a, k) in pressures.items()}
-    return {name: one[f"{name}_each"] for name in (*_COUNTED, "macro_area")} | ratios
+def _of_surfaces(data: xr.Dataset) -> xr.Dataset:
+    """Add the areas of the theory, and pressures over those at the lightest load, and the lightest with a zeta_m."""
+    data = derive(
+        data,
+        area_persson_each="erf(2**.5 * reduced_pressure / gradient_share_each)",
+        macro_area_persson_each="erf(2**.5 * reduced_pressure / macro_gradient_share_each)",
+        contact_pressure_each="reduced_pressure / area_each",
+        contact_pressure_ratio_each="contact_pressure_each / contact_pressure_each.isel(load=0)",
+    )
+    lightest = int(np.argmax(np.isfinite(data.macro_magnification.values)))
+    for which in ("", "_persson"):
+        area = f"macro_area{which}_each"
+        areas = ratio_of_means(f"{area}.isel(load={lightest})", area, "surface")
+        ratio = f"({areas}) * reduced_pressure / reduced_pressure.isel(load={lightest})"
+        data = derive(data, **{f"macro_pressure_ratio{which}_each": ratio})
+    return data
 
 
 #: How far a pressure may move and still be called the same.

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -46,8 +45,8 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     # What is unknown is refused before anything is solved.
     theories = (*persson_variants(), *map(find_theory, options.theory))
     data = pressure.measured_path(options, bench=bench)
-    shares: dict[str, Any] = {"solver": TOLERANCES_LEFT * options.tolerance(TOLERANCE)}
-    data = claim_shares(data, "area", **shares, **_spectral_shares(options, bench))
+    solver = TOLERANCES_LEFT * options.tolerance(TOLERANCE)
+    data = claim_shares(data, "area", solver=solver, **_spectral_shares(options, bench))
     data = distances(beside(data, theories, options.pressed))
     pooled = data.stress_share_each.sum("surface").values
     predicted = (stress_shares(theory, options.first, options.reduced_pressures) for theory in theories)
