@@ -12,7 +12,7 @@ them as small PNG files beside this script. Solves are kept in results/solves, b
 from __future__ import annotations
 
 import argparse
-import shutil
+import re
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -50,6 +50,10 @@ SHOWN = {
 
 #: The solvers of the scorecard, where they are installed.
 SCORED = ("bem", "fem", "tamaas", "contact_mechanics", "calculix")
+
+
+#: What a page says of the files that lie beside it.
+_FILES = r"Files:\s*(?:<a href=[^>]*>[^<]*</a>(?:, )?\s*)+\.\s*"
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
@@ -95,7 +99,9 @@ def _scorecard(folder: Path) -> None:
     cards = [score(subject, tell=print) for subject in subjects]
     results = prepare_folder(Path("results") / "scorecard")
     page = prepare_folder(folder) / "scorecard.html"
-    shutil.copyfile(write_scorecards(results, cards).files[0], page)
+    told = write_scorecards(results, cards).files[0].read_text(encoding="utf-8")
+    # It stands alone here: the files of its figures are in results/scorecard.
+    page.write_text(re.sub(_FILES, "", told), encoding="utf-8")
     print(f"{page}: {page.stat().st_size / 1024:.0f} KB")
 
 
