@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Protocol, Self, runtime_checkable
 
 import numpy as np
@@ -156,7 +156,6 @@ class TabulatedSolid:
     storage: Sequence[float]
     loss: Sequence[float]
     poisson: float
-    _nodes: tuple[Array, Array, Array] = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         poisson_ratio(self.poisson)
@@ -175,7 +174,6 @@ class TabulatedSolid:
             )
         for name, values in (("frequencies", omega), ("storage", storage), ("loss", loss)):
             object.__setattr__(self, name, tuple(map(float, values)))
-        object.__setattr__(self, "_nodes", (np.log(omega), np.log(storage), loss / storage))
 
     def modulus(self, frequency: ArrayLike) -> Complex:
         """E(omega) [Pa] for omega >= 0 [1/s]; refused outside the table, 0 excepted."""
@@ -188,7 +186,8 @@ class TabulatedSolid:
                 f"frequencies from {given.min():.4g} to {given.max():.4g} 1/s are asked for, the table spans "
                 f"{low:.4g} to {high:.4g} 1/s: choose another velocity or grid, or extend the table"
             )
-        nodes, storage, factor = self._nodes
+        nodes, storage = np.log(self.frequencies), np.log(self.storage)
+        factor = np.divide(self.loss, self.storage)
         at = np.log(np.where(omega > 0, omega, low))
         storage_at = np.exp(np.interp(at, nodes, storage))
         lag = np.where(omega > 0, np.interp(at, nodes, factor), 0.0)

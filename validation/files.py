@@ -37,17 +37,6 @@ _MOST_RECORD = 2**24
 _DRAFT = re.compile(r"\.([0-9a-f]{8})-(\d{1,9})-[0-9a-f]{12}-")
 
 
-class NotWritten(RunFailed, OSError):
-    """A file that the system refused; says which, why, and what to do."""
-
-    def __init__(self, words: str, error: OSError) -> None:
-        super().__init__(error.errno, error.strerror)
-        self.words = words
-
-    def __str__(self) -> str:
-        return self.words
-
-
 def prepare_folder(folder: Path, *, option: str = "--output") -> Path:
     """Create a results folder, prove that it can be written to, and clear it of the drafts of the dead.
 
@@ -121,7 +110,7 @@ def atomic_path(path: Path, *, synced: bool = False, first: bool = False) -> Ite
     a block may have `synced` them itself, whose caller syncs the folder when it suits it. It replaces what
     has the name, unless the `first` is to stay.
 
-    A NotWritten when the system refuses it: a full disk, a folder that is gone; finished files are untouched.
+    A RunFailed when the system refuses it: a full disk, a folder that is gone; finished files are untouched.
     """
     draft = _draft_of(path)
     try:
@@ -132,13 +121,13 @@ def atomic_path(path: Path, *, synced: bool = False, first: bool = False) -> Ite
         if not synced:
             sync_folder(path.parent)
     except OSError as error:
-        raise NotWritten(refusal(path, error), error) from None
-    except RuntimeError as error:
+        raise RunFailed(refusal(path, error)) from error
+    except RuntimeError:
         # The netCDF library says "HDF error" for whatever the system refused it.
         if not _is_full(path.parent):
             raise
         full = OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
-        raise NotWritten(refusal(path, full), full) from error
+        raise RunFailed(refusal(path, full)) from full
     finally:
         with contextlib.suppress(OSError):
             draft.unlink()

@@ -17,6 +17,7 @@ from fem_contact import HeightField, Solid
 from validation.comparison.run import run_scene
 from validation.effects.base import ContactModel
 from validation.execution.bench import Bench
+from validation.execution.provenance import Made
 from validation.execution.store import check_store
 from validation.measurements.common import base_surface
 from validation.measurements.control_variates import unsolved_pairs
@@ -36,7 +37,7 @@ def fresh(tmp_path_factory):
     began = datetime.now(UTC).replace(microsecond=0)
     scene = scene_in(folder, small_scene("shifts = 2\n[methods.fem]\ngrids = [[12, 8], [24, 16]]\n"))
     outputs = run_scene(scene, folder / "results", bench=Bench.at(folder / "solves"), report=False)
-    made = {checked.path: checked.made for checked in check_store(folder / "solves")}
+    made = {path: Made(**found.made) for path, _, found in check_store(folder / "solves", set_aside=False)}
     solves = {}
     for path in made:
         with xr.open_dataset(path) as stored:

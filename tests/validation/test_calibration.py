@@ -5,13 +5,16 @@ import pytest
 from commanding import answer_of, output_of
 
 from validation.comparison.explain import explain
+from validation.effects import effect_kinds
 from validation.execution import calibration
 from validation.execution.press import solves_of
 from validation.execution.solve import transform_seconds
 from validation.files import write_record
+from validation.solvers import find_solver
 from validation.solvers.base import example_field
 
 EFFECT = '[[effects]]\nkind = "hardness"\nhardness = "40 kPa"\n'
+USUAL = {name: kind.cost for name, kind in effect_kinds().items() if find_solver("bem").handles(kind)}
 
 
 @pytest.fixture
@@ -23,8 +26,8 @@ def cache(tmp_path, monkeypatch):
 
 def test_without_a_calibration_the_reference_machine_is_named(cache):
     assert not cache.exists()
-    assert calibration.effect_costs() == calibration.reference()
-    assert "fem-contact calibrate" in calibration.reference().source
+    assert calibration.effect_costs().factors == USUAL
+    assert "fem-contact calibrate" in calibration.effect_costs().source
 
 
 def test_a_pair_of_transforms_takes_the_median_of_five_times_of_one(monkeypatch):
@@ -38,7 +41,7 @@ def test_a_pair_of_transforms_takes_the_median_of_five_times_of_one(monkeypatch)
 def test_a_calibration_is_kept_and_used_and_named(cache, read_scene):
     lines = []
     found = calibration.calibrate(points=32, repeats=1, tell=lines.append)
-    assert set(found.factors) == set(calibration.reference().factors)
+    assert set(found.factors) == set(USUAL)
     assert all(value > 0 for value in found.factors.values())
     assert len(lines) == len(found.factors) + 1
     assert calibration.effect_costs() == found
@@ -56,9 +59,9 @@ def test_an_effect_that_hardly_matters_is_told_with_what_it_costs(cache, read_sc
 
 
 def test_the_command_says_where_a_calibration_is_kept(cache, monkeypatch):
-    monkeypatch.setattr(calibration, "calibrate", lambda points, tell: calibration.reference())
+    monkeypatch.setattr(calibration, "calibrate", lambda points, tell: calibration.effect_costs())
     assert output_of("calibrate").strip() == f"Kept in {cache}"
-    assert answer_of("calibrate")["factors"] == calibration.reference().factors
+    assert answer_of("calibrate")["factors"] == USUAL
 
 
 def test_a_prediction_grows_with_the_factor_that_was_measured(cache, read_scene):
@@ -66,7 +69,7 @@ def test_a_prediction_grows_with_the_factor_that_was_measured(cache, read_scene)
     seconds = []
     for factor in (1.0, 1e4):
         cache.parent.mkdir(parents=True, exist_ok=True)
-        factors = dict(calibration.reference().factors) | {"hardness": factor}
+        factors = USUAL | {"hardness": factor}
         write_record(cache, {"date": "2026-01-01", "factors": factors})
         seconds.append(solve.predict().seconds)
     assert seconds[1] > 2 * seconds[0]
@@ -79,7 +82,7 @@ def test_a_damaged_or_foreign_cache_is_as_none(cache, text):
     cache.parent.mkdir(parents=True)
     cache.write_text(text)
     costs = calibration.effect_costs()
-    assert costs.factors == calibration.reference().factors
+    assert costs.factors == USUAL
     assert f"{cache}: damaged, or of another version" in costs.source
 
 

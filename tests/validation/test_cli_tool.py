@@ -144,7 +144,7 @@ def test_shell_completion_can_be_shown_and_completes_scenes(tmp_path, monkeypatc
     assert shown.exit_code == 0
     monkeypatch.chdir(tmp_path)
     (tmp_path / "quiet.toml").write_text("")
-    assert scene_names("qui") == ["quickstart", "quiet.toml"]
+    assert {"quickstart", "quiet.toml"} <= set(scene_names())
 
 
 @pytest.mark.parametrize(
@@ -248,7 +248,7 @@ def test_keys_of_a_scene_are_listed_with_unit_meaning_and_default(done):
     assert len(listed) > 150
     assert done("scenes keys 'mean gap'").count("\n") == 2
     assert 'sweep.mode = "product"' in done("scenes keys sweep")
-    assert key_names("load.mean") == ["load.mean_gap="]
+    assert "load.mean_gap=" in key_names()
 
 
 def test_scenes_are_listed_and_copied(done, mistake, tmp_path):

@@ -408,7 +408,7 @@ def _rough(**changed):
 @pytest.mark.parametrize(("hardness", "matters"), [(1.9e8, True), (2.1e8, False)])
 def test_a_hardness_matters_below_four_deviations_of_the_stress_at_full_contact(hardness, matters):
     # The deviation is E* h'_rms / 2 = 5e7 Pa.
-    assert Hardness(hardness=hardness).judge(_rough()).matters is matters
+    assert Hardness(hardness=hardness).judge(_rough()).verdict.startswith("matters") is matters
 
 
 def test_hardness_rises_by_its_power_at_its_wavelength():

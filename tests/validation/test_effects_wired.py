@@ -226,7 +226,7 @@ def effect(text):
     ],
 )
 def test_the_word_of_a_listed_effect_turns_with_its_parameter(template, matters, negligible):
-    assert effect(template.format(matters)).judge(rough()).matters
+    assert effect(template.format(matters)).judge(rough()).verdict == "matters"
     word = effect(template.format(negligible)).judge(rough())
     assert word.verdict.startswith("negligible")
 

@@ -267,7 +267,7 @@ def test_a_failed_solve_is_a_row_of_the_report_which_is_made_of_the_others(
     do = Press.do
 
     def failing(solve, threads=None):
-        if solve.method == "fem" or (solve.realisation == 1 and solve.grid == (24, 16)):
+        if solve.method == "fem" or (solve.problem.realisation == 1 and solve.grid == (24, 16)):
             raise NotConverged("stopped at the iteration limit; allow more")
         return do(solve, threads=threads)
 

@@ -21,9 +21,10 @@ from solving import Numbers, fields, solve_all
 from validation import files
 from validation.errors import RunFailed
 from validation.execution.attempt import Progress, attempt
+from validation.execution.fields import decode_result
 from validation.execution.provenance import Made, made_words
-from validation.execution.store import Damaged, Store, check_store, read_result, seal, unseal
-from validation.files import NotWritten, atomic_path
+from validation.execution.store import Damaged, Sealed, Store, check_store, read_numbers, seal, unseal
+from validation.files import atomic_path
 
 MADE = Made.now(threads=1, seconds=0.5)
 
@@ -274,7 +275,7 @@ FAILURES = [
 
 @pytest.mark.parametrize(("name", "number"), FAILURES)
 def test_a_call_that_fails_is_told_in_one_line(tmp_path, monkeypatch, name, number):
-    with failing(monkeypatch, name, number, 0), refused(NotWritten, "intact") as told:
+    with failing(monkeypatch, name, number, 0), refused(RunFailed, "intact") as told:
         Store(folder=tmp_path).save(Numbers(1), Numbers(1).do(), made=MADE)
     assert "a.nc" in str(told.value) or "numbers-" in str(told.value)
 
@@ -289,7 +290,7 @@ def test_a_file_system_that_fails_at_any_call_loses_no_finished_solve(stored, mo
             try:
                 store.save(solve, result, made=MADE)
                 stored_now = True
-            except NotWritten:
+            except RunFailed:
                 stored_now = False
         left = {path.name for path in store.folder.iterdir()}
         assert left == {store.path(other).name, *([path.name] if path.exists() else [])}
@@ -427,18 +428,17 @@ def test_a_store_is_checked_and_what_is_damaged_set_aside(tmp_path):
     paths[0].write_bytes(data)
     shutil.copy(paths[2], paths[1])
     paths[3].rename(tmp_path / "renamed.nc")
-    found = {one.path.name: one for one in check_store(tmp_path)}
+    found = {path.name: found for path, _, found in check_store(tmp_path, set_aside=False)}
     assert len(found) == 5
-    assert "SHA-256" in found[paths[0].name].problem
-    assert "another recipe" in found[paths[1].name].problem
-    assert "another recipe" in found["renamed.nc"].problem
+    assert "SHA-256" in str(found[paths[0].name])
+    assert "another recipe" in str(found[paths[1].name])
+    assert "another recipe" in str(found["renamed.nc"])
     good = found[paths[2].name]
-    assert (good.problem, good.damaged, json.loads(good.recipe)["seed"]) == (None, False, 2)
-    assert good.made.threads == 1
+    assert (json.loads(good.recipe)["seed"], good.made["threads"]) == (2, 1)
     assert not list(tmp_path.glob("*.corrupt"))
-    assert sum(one.damaged for one in check_store(tmp_path, set_aside=True)) == 3
+    assert sum(isinstance(one, Damaged) for *_, one in check_store(tmp_path, set_aside=True)) == 3
     assert len(list(tmp_path.glob("*.nc.corrupt"))) == 3
-    assert all(one.problem is None for one in check_store(tmp_path))
+    assert all(isinstance(one, Sealed) for *_, one in check_store(tmp_path, set_aside=True))
 
 
 def test_a_file_without_a_digest_is_not_taken(stored):
@@ -453,10 +453,10 @@ def test_a_file_without_a_digest_is_not_taken(stored):
 def test_a_picture_reads_only_what_is_intact(tmp_path):
     store, solve = Store(folder=tmp_path), fields()
     attempt(solve, store)
-    assert same(read_result(store.path(solve)), store.read(solve).result)
+    assert same(read_numbers(store.path(solve), decode_result), store.read(solve).result)
     store.path(solve).write_bytes(b"")
     with pytest.raises(RunFailed, match="damaged"):
-        read_result(store.path(solve))
+        read_numbers(store.path(solve), decode_result)
 
 
 def test_a_seal_holds_any_recipe_and_content():

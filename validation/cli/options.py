@@ -21,28 +21,23 @@ if TYPE_CHECKING:
     from validation.scenes.tables import RunOptions
 
 
-def scene_names(incomplete: str) -> list[str]:
-    """Complete the name of a scene: built-in ones, and TOML files of the folder."""
+def scene_names() -> list[str]:
+    """Names of scenes: built-in ones, and TOML files of the folder."""
     from validation.scenes.scene import builtin_scenes
 
-    files = [str(path) for path in Path().glob("*.toml")]
-    return [name for name in (*builtin_scenes(), *files) if name.startswith(incomplete)]
+    return [*builtin_scenes(), *map(str, Path().glob("*.toml"))]
 
 
-def key_names(incomplete: str) -> list[str]:
-    """Complete a key of a scene."""
+def key_names() -> list[str]:
+    """Keys of a scene."""
     from validation.scenes.keys import scene_keys
 
-    return [f"{key}=" for key in scene_keys({}) if key.startswith(incomplete)]
+    return [f"{key}=" for key in scene_keys({})]
 
 
-def named_by(listing: str) -> Callable[[str], list[str]]:
+def named_by(listing: str) -> Callable[[], list[str]]:
     """Return what completes a name that a ``module:function`` lists; it is imported when that is asked."""
-
-    def names(incomplete: str) -> list[str]:
-        return [name for name in resolve_name(listing)() if name.startswith(incomplete)]
-
-    return names
+    return lambda: list(resolve_name(listing)())
 
 
 def examples(*lines: str) -> str:

@@ -13,10 +13,7 @@ from validation.errors import UsageError
 
 
 def _word(what: str, *choices: str) -> Any:
-    def completed(incomplete: str) -> list[str]:
-        return [word for word in choices if word.startswith(incomplete)]
-
-    return typer.Option(metavar="WORD", help=what, autocompletion=completed)
+    return typer.Option(metavar="WORD", help=what, autocompletion=lambda: choices)
 
 
 def reference(

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 import typer
 
 from validation.cli.options import JsonOption, SceneArgument, examples, print_json, say, show
-from validation.errors import SceneError, UsageError
+from validation.errors import RunFailed, SceneError, UsageError
 from validation.report.quantities import as_length, in_prefixed_unit
 
 if TYPE_CHECKING:
@@ -238,8 +238,9 @@ def _write(field: HeightField, target: Path, *, force: bool) -> None:
         raise UsageError(f"{target}: is there already; name another file or say --force")
     try:
         write_topography(target, field)
-    except OSError as error:
-        raise UsageError(f"{target}: not written: {error.strerror or error}") from None
+    except RunFailed as error:
+        why = getattr(error.__cause__, "strerror", None) or error
+        raise UsageError(f"{target}: not written: {why}") from None
     words = f"{target}: {field.shape[0]} x {field.shape[1]} heights, h_rms = {as_length(field.rms_height)}"
     if target.suffix.lower() in (".npy", ".txt"):
         lx, ly = field.lengths

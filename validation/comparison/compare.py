@@ -335,9 +335,9 @@ def _findings(data: xr.Dataset, differ: Mapping[str, Sequence[str]]) -> Iterator
 def _farthest(data: xr.Dataset, name: str, k: int) -> Finding:
     """Say how far a result is from the first in one quantity, where that is most for its interval."""
 
-    def errors_apart(item: tuple[str, xr.Dataset]) -> tuple[bool, float]:
+    def errors_apart(here: xr.Dataset) -> tuple[bool, float]:
         """Difference over its error, by which places are ranked; those without an error come last."""
-        apart = value_of(item[1].isel(result=k), f"{name}_apart")
+        apart = value_of(here.isel(result=k), f"{name}_apart")
         far, sure = abs(float(apart.value)), apart.error is not None and np.isfinite(apart.error)
         if far == 0 or not sure:
             return bool(sure), far
@@ -348,7 +348,8 @@ def _farthest(data: xr.Dataset, name: str, k: int) -> Finding:
     symbol = ", ".join(filter(None, (what.symbol, what.which)))
     if not places:
         return note("{symbol}: no value in common.", symbol=symbol)
-    place, here = max(places, key=errors_apart)
+    ranks = [errors_apart(here) for _, here in places]
+    place, here = places[ranks.index(max(ranks))]
     at = f" ({place})" if place else ""
     apart = value_of(here.isel(result=k), f"{name}_apart")
     # The worst of many places is far for an interval of one.
@@ -360,7 +361,7 @@ def _farthest(data: xr.Dataset, name: str, k: int) -> Finding:
         "joint": replace(apart, error=None if apart.error is None else most * apart.error),
         "places": float(len(places)) if len(places) > 1 else math.nan,
     }
-    if values["apart"].value == 0 and all(errors_apart(one)[1] == 0 for one in places):
+    if all(far == 0 for _, far in ranks):
         return note(
             "{symbol}: {other} and {first} agree to the last digit.", symbol=symbol, other=other, first=first
         )

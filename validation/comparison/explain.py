@@ -15,7 +15,7 @@ from validation.arrays import Grid
 from validation.comparison.finite_slopes import finite_slopes
 from validation.comparison.reductions import grid_name
 from validation.effects import effect_kinds
-from validation.effects.base import Judgement, Roughness, TheoryInputs
+from validation.effects.base import Judgement, Roughness, TheoryInputs, full_contact_energy
 from validation.errors import UsageError
 from validation.execution.calibration import effect_costs
 from validation.execution.press import Press, run_solves
@@ -237,9 +237,10 @@ def roughness_of(problem: ContactProblem) -> Roughness:
     """Return what judgements need to know of a surface; of C(q) where none is made."""
     field: HeightField | Expected = problem.field
     given = {"modulus": problem.contact_modulus, "longest": problem.longest, "shortest": problem.shortest}
-    if not isinstance(field, Expected):
-        return Roughness.of(field, **given)
-    energy = 0.25 * problem.contact_modulus * field.first_moment
+    if isinstance(field, Expected):
+        energy = 0.25 * problem.contact_modulus * field.first_moment
+    else:
+        energy = full_contact_energy(field, modulus=problem.contact_modulus)
     curvature = math.sqrt(3 * field.moments[2] / 8)
     return Roughness(gradient=field.rms_gradient, curvature=curvature, full_energy=energy, **given)
 

@@ -134,7 +134,8 @@ def _on_grids(case: Case) -> xr.Dataset:
             data[f"{name}_error"].attrs[HOLDS] = "sub-grid positions"
     if not data.area_located.notnull().any():
         data = data.drop_vars(["area_located", "area_located_error", "area_located_shift"])
-    if failed := {(s.method, s.grid): why for s, why in case.failures.items() if s.realisation == 0}:
+    own = {solve: why for solve, why in case.failures.items() if solve.problem.realisation == 0}
+    if failed := {(solve.method, solve.grid): why for solve, why in own.items()}:
         words = [[failed.get((method, grid), "") for grid in grids] for method in case.methods]
         data["failure"] = (("solver", "grid"), words)
     count = bare(data.area_pixel_shift).count("shift")
@@ -288,7 +289,7 @@ def _surfaces(case: Case) -> xr.Dataset | None:
     if case.scene.ensemble is None or not case.surfaces:
         return None
     grids, options = sorted(case.scene.ensemble.grids), case.scene.methods.options("theory")
-    failed = {solve.realisation: why for solve, why in case.failures.items() if solve.grid in grids}
+    failed = {solve.problem.realisation: why for solve, why in case.failures.items() if solve.grid in grids}
     parts = {}
     for k, on in case.surfaces.items():
         readings = [on[grid] for grid in grids if grid in on]

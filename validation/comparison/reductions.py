@@ -37,7 +37,7 @@ def grid_name(grid: Grid) -> str:
 
 def own_solves(scene: Scene, solves: Iterable[Press]) -> list[Press]:
     """Return the solves of the scene's own surface, on the grids that its methods list."""
-    first = [solve for solve in solves if solve.realisation == 0 and not solve.problem.variation]
+    first = [solve for solve in solves if solve.problem.realisation == 0 and not solve.problem.variation]
     return [solve for solve in first if solve.grid in scene.methods.options(solve.method).grids]
 
 
@@ -113,8 +113,9 @@ class Case:
             return {}
         surfaces: dict[int, dict[Grid, Reading]] = {k: {} for k in range(ensemble.realisations)}
         for solve, reading in self.readings.items():
-            if solve.method == solver.name and solve.realisation in surfaces and solve.shift == (0.0, 0.0):
-                surfaces[solve.realisation][solve.grid] = reading
+            k = solve.problem.realisation
+            if solve.method == solver.name and k in surfaces and solve.shift == (0.0, 0.0):
+                surfaces[k][solve.grid] = reading
         return surfaces
 
     @property

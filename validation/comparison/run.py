@@ -179,8 +179,8 @@ def _link_blocks(results: Solves, folder: Path) -> Iterator[Path]:
     """
     for solve in results:
         assert isinstance(solve, Press)
-        stored = solve.block_file(results.store.folder) if solve.has_block else None
-        if stored is None or not stored.exists():
+        stored = solve.block_file(results.store.folder)
+        if not stored.exists():
             continue
         folder.mkdir(exist_ok=True)
         target = folder / f"{solve.prefix}.vtu"

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self
@@ -103,11 +102,6 @@ class Judgement:
     verdict: str
 
     @property
-    def matters(self) -> bool:
-        """Whether the effect should not be left out."""
-        return self.verdict.startswith("matters")
-
-    @property
     def negligible(self) -> bool:
         """Whether the effect may be left out."""
         return self.verdict.startswith("negligible")
@@ -127,18 +121,6 @@ class Roughness:
     longest: float
     shortest: float
     full_energy: float
-
-    @classmethod
-    def of(cls, surface: HeightField, *, modulus: float, longest: float, shortest: float) -> Roughness:
-        """Measure a surface."""
-        return cls(
-            modulus=modulus,
-            gradient=surface.rms_gradient,
-            curvature=math.sqrt(3 * surface.moments[2] / 8),
-            longest=longest,
-            shortest=shortest,
-            full_energy=full_contact_energy(surface, modulus=modulus),
-        )
 
 
 def full_contact_energy(surface: HeightField, *, modulus: float) -> float:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from functools import partial
 from typing import Literal, Self
 
 import numpy as np
@@ -13,16 +13,9 @@ from validation.effects.base import Body, ContactModel, Effect, Judgement, Rough
 from validation.units import Length, Pressure, key
 
 
-@dataclass(frozen=True)
-class _Profile:
-    """E(z) over that of the surface, at cell centres; a class, so that it can go to another process."""
-
-    ratio: float
-    depth: float
-
-    def __call__(self, x: Array, y: Array, z: Array) -> Array:
-        del x, y
-        return self.ratio + (1 - self.ratio) * np.exp(z / self.depth)
+def _relaxing(ratio: float, depth: float, x: Array, y: Array, z: Array) -> Array:
+    """E(z) over that of the surface, at cell centres."""
+    return ratio + (1 - ratio) * np.exp(z / depth)
 
 
 class Graded(Effect):
@@ -44,7 +37,7 @@ class Graded(Effect):
         from fem_contact.graded import ExponentialSolid
 
         model.response = ExponentialSolid(surface=model.solid, bulk_young=self.bulk_young, depth=self.depth)
-        model.body = Body(modulus=_Profile(self.bulk_young / model.solid.young, self.depth))
+        model.body = Body(modulus=partial(_relaxing, self.bulk_young / model.solid.young, self.depth))
 
     def theory(self, inputs: TheoryInputs) -> None:
         """Persson 2006, Sec. 5."""

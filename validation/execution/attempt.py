@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 from fem_contact.errors import FemContactError
-from fem_contact.settings import one_blas_thread
+from fem_contact.settings import available_processors, one_blas_thread
 from validation.errors import RunFailed
 from validation.execution.provenance import Made
 from validation.execution.solve import Solve
@@ -74,7 +74,8 @@ def attempt(solve: Solve, store: Store, *, threads: int | None = None) -> Outcom
     try:
         with one_blas_thread():
             result = solve.do(threads=threads)
-        made = Made.now(threads=solve.threads_used(threads), seconds=time.monotonic() - began)
+        used = threads or available_processors() if solve.threaded else 1
+        made = Made.now(threads=used, seconds=time.monotonic() - began)
         store.save(solve, result, made=made)
     except (FemContactError, MemoryError) as error:
         return Outcome(error=f"{solve.describe()}: {error}")

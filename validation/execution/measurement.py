@@ -14,11 +14,11 @@ from __future__ import annotations
 import inspect
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, fields, is_dataclass
+from dataclasses import dataclass
 from functools import cached_property, update_wrapper
 from typing import TYPE_CHECKING, Any, Generic, ParamSpec, cast
 
-from pydantic import BaseModel
+from pydantic_core import to_jsonable_python
 
 from validation.execution.solve import LOCATED_EDGES, PAIR_SECONDS, Compiled, Prediction, Solve
 from validation.scenes.problem import ContactProblem
@@ -111,7 +111,8 @@ class Call(Solve):
             elif name == "grid":
                 entries["points"] = value[0] if value[0] == value[1] else list(value)
             elif value is not None:
-                entries[name] = dict(value) if name == "settings" else _plain(value)
+                plain = to_jsonable_python(value, exclude_none=True)
+                entries[name] = dict(value) if name == "settings" else plain
         entries |= {"edges": LOCATED_EDGES} if self.measurement.located else {}
         entries |= {"version": self.measurement.version} if self.measurement.version else {}
         entries = self._evaluated(self.measurement.recipe, made=entries)
@@ -163,14 +164,3 @@ class Call(Solve):
         square = len(set(self.finest)) == 1 and "grids" not in dict(self.arguments)
         size = "x".join(map(str, self.finest[:1] if square else self.finest))
         return text.format(size=size, **dict(self.arguments))
-
-
-def _plain(value: Any) -> Any:
-    """Return an argument as JSON-ready data; another form of it would rename every stored solve."""
-    if isinstance(value, tuple):
-        return [_plain(item) for item in value]
-    if isinstance(value, BaseModel):
-        return value.model_dump(mode="json", exclude_none=True)
-    if is_dataclass(value):
-        return {part.name: _plain(getattr(value, part.name)) for part in fields(value) if part.init}
-    return value

@@ -8,10 +8,9 @@ from functools import cached_property, partial
 from itertools import product
 from math import prod
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any, ClassVar, TypeAlias
 
 from fem_contact.contact import ContactResult
-from fem_contact.settings import available_processors
 from validation.arrays import Grid
 from validation.effects.base import ContactModel
 from validation.execution.fields import decode_result, fields_dataset
@@ -36,6 +35,8 @@ class Press(Solve):
     tolerance.
     """
 
+    threaded: ClassVar[bool] = True
+
     method: str
     grid: Grid
     shift: Shift = (0.0, 0.0)
@@ -49,14 +50,9 @@ class Press(Solve):
         return find_solver(self.method)
 
     @property
-    def realisation(self) -> int:
-        """Which surface of the spectrum it is."""
-        return self.problem.realisation
-
-    @property
     def is_own(self) -> bool:
         """Whether it presses the scene's own surface where it stands."""
-        return self.realisation == 0 and self.shift == (0.0, 0.0) and not self.problem.variation
+        return self.problem.realisation == 0 and self.shift == (0.0, 0.0) and not self.problem.variation
 
     @property
     def response(self) -> Response:
@@ -88,7 +84,7 @@ class Press(Solve):
     def describe(self) -> str:
         """Return a few words for a progress bar."""
         parts = {
-            f"surface {self.realisation + 1}": self.realisation,
+            f"surface {self.problem.realisation + 1}": self.problem.realisation,
             self.problem.variation: self.problem.variation,
             "inverted": self.problem.inverted,
             f"shift ({self.shift[0]:g}, {self.shift[1]:g})": self.shift != (0.0, 0.0),
@@ -141,18 +137,13 @@ class Press(Solve):
         """Read fields and provenance."""
         return decode_result(content)
 
-    @property
-    def has_block(self) -> bool:
-        """Whether a deformed block is exported beside the result."""
-        return self.solver.has_block(dict(self.settings))
-
     def block_file(self, folder: Path) -> Path:
         """Where the deformed block of a finite-element solve is exported to."""
         return folder / f"{self.key}.vtu"
 
     def written_beside(self, result: Solved, folder: Path) -> None:
         """Export the deformed block, where the method holds one."""
-        if result.block is not None and self.has_block:
+        if result.block is not None:
             from fem_contact.export import write_block
 
             with atomic_path(self.block_file(folder)) as draft:
@@ -162,10 +153,6 @@ class Press(Solve):
     def compiled(self) -> Compiled:
         """The method with its effects."""
         return ((self.method, dict(self.settings), self.effects),)
-
-    def threads_used(self, threads: int | None) -> int:
-        """Those that are given, or all."""
-        return threads or available_processors()
 
     def after(self, previous: Solve | None) -> Press:
         """Share the surface of the previous solve, if it is the same one."""

@@ -11,7 +11,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
@@ -51,6 +51,9 @@ class Solve(ABC):
     Subclasses are frozen dataclasses of plain data, so that worker processes can be sent them. A solve is the
     key of its own result: ``bench.solve(solves)[solve]``.
     """
+
+    #: Whether its result is that of all the threads it is given; of numbers one is used.
+    threaded: ClassVar[bool] = False
 
     @property
     @abstractmethod
@@ -109,10 +112,6 @@ class Solve(ABC):
             if path not in warm:
                 solver.warm_up(effects, settings)
                 warm.add(path)
-
-    def threads_used(self, threads: int | None) -> int:
-        """Return how many threads `do` uses when it is given that many."""
-        return 1
 
     def after(self, previous: Solve | None) -> Solve:
         """Return this solve with what the previous one has made already, such as its surface."""

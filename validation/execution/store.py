@@ -17,11 +17,9 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import asdict, dataclass
 from functools import cached_property, partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any
 
-from fem_contact.contact import ContactResult
 from validation.errors import RunFailed, UsageError
-from validation.execution.fields import decode_result
 from validation.execution.provenance import Made
 from validation.execution.solve import Solve
 from validation.files import available_memory, read_whole, reason, write_whole
@@ -29,8 +27,6 @@ from validation.netcdf import dataset_bytes, read_dataset
 
 if TYPE_CHECKING:
     import xarray as xr
-
-T = TypeVar("T")
 
 _SUFFIX = ".nc"
 _ASIDE = ".nc.corrupt"
@@ -101,7 +97,7 @@ class Store:
     def save(self, solve: Solve, result: Any, *, made: Made) -> None:
         """Write what `do` returned of a solve, how it was made, and what belongs beside it.
 
-        A NotWritten when the system refuses it: a full disk, a folder that is gone.
+        A RunFailed when the system refuses it: a full disk, a folder that is gone.
         """
         path = self.path(solve)
         if path.is_file():
@@ -153,11 +149,6 @@ def _understood(path: Path, read: Callable[[], Any]) -> Any:
         ) from error
 
 
-def read_result(path: Path) -> ContactResult:
-    """Read the fields of a stored solve by the name of its file; RunFailed for none, or a damaged one."""
-    return _content_of(path, decode_result)
-
-
 def write_numbers(path: Path, data: xr.Dataset, *, recipe: Mapping[str, Any]) -> None:
     """Write the numbers of a study or a sweep, sealed: netCDF that shows every change since."""
     content = dataset_bytes(data)
@@ -165,12 +156,8 @@ def write_numbers(path: Path, data: xr.Dataset, *, recipe: Mapping[str, Any]) ->
     write_whole(path, (content, seal(content, recipe=json.dumps(recipe), made=made)))
 
 
-def read_numbers(path: Path) -> xr.Dataset:
-    """Return what `write_numbers` wrote, verified; RunFailed for none, or a damaged one."""
-    return _content_of(path, read_dataset)
-
-
-def _content_of(path: Path, decode: Callable[[memoryview], T]) -> T:
+def read_numbers(path: Path, decode: Callable[[memoryview], Any] = read_dataset) -> Any:
+    """Return the content of a sealed file, verified; RunFailed for none, or a damaged one."""
     try:
         data = _bytes_of(path)
         if data is None:
@@ -180,26 +167,12 @@ def _content_of(path: Path, decode: Callable[[memoryview], T]) -> T:
         raise RunFailed(f"{path}: damaged: {damage}; run it again") from None
 
 
-@dataclass(frozen=True, kw_only=True)
-class Checked:
-    """One file of a store, of some bytes: what is wrong with it, or how it was made and of which recipe.
-
-    One that is not `damaged`, but has a problem, could not be read.
-    """
-
-    path: Path
-    size: int = 0
-    problem: str | None = None
-    damaged: bool = False
-    made: Made | None = None
-    recipe: str | None = None
-
-
-def check_store(folder: Path, *, set_aside: bool = False) -> Iterator[Checked]:
+def check_store(folder: Path, *, set_aside: bool) -> Iterator[tuple[Path, int, Sealed | Exception]]:
     """Verify every result in a folder: its digest, and that its name is that of its recipe.
 
-    Damaged files may be set aside as `*.corrupt`, as a run does that meets them. A UsageError for a folder
-    that cannot be read.
+    Yields each file, its bytes, and what is in it, or why not: `Damaged`, or RunFailed where it cannot be
+    read. Damaged files may be set aside as `*.corrupt`, as a run does that meets them. A UsageError for a
+    folder that cannot be read.
     """
     try:
         names = sorted(os.listdir(folder))
@@ -208,20 +181,19 @@ def check_store(folder: Path, *, set_aside: bool = False) -> Iterator[Checked]:
     for name in names:
         if name.startswith(".") or not name.endswith(_SUFFIX):
             continue
-        path = folder / name
+        path, size = folder / name, 0
         try:
             data = _bytes_of(path)
             if data is None:  # removed meanwhile
                 continue
-            sealed = _verified(path, data)
+            size = len(data)
+            yield path, size, _verified(path, data)
         except RunFailed as error:
-            yield Checked(path=path, problem=str(error).removeprefix(f"{path}: "))
+            yield path, size, error
         except Damaged as damage:
             if set_aside:
                 _set_aside(path, damage)
-            yield Checked(path=path, size=len(data or b""), problem=str(damage), damaged=True)
-        else:
-            yield Checked(path=path, size=len(data), made=Made(**sealed.made), recipe=sealed.recipe)
+            yield path, size, damage
 
 
 #: Bytes of a file that is read without asking how much memory is free.

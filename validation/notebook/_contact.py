@@ -18,7 +18,7 @@ from validation.comparison.numbers import scene_data
 from validation.comparison.reductions import DIFFERENCES, grid_name
 from validation.errors import NoLimit, UsageError
 from validation.execution.press import Press, solves_of
-from validation.notebook._tables import GridLike, as_html, checked, fast_grid, grids_of, map_of, on_places
+from validation.notebook._tables import GridLike, as_html, checked, fast_grid, map_of, on_places
 from validation.report.marks import Drawing, draw
 from validation.report.quantities import in_prefixed_unit, labelled
 from validation.report.values import Value, value_of
@@ -123,7 +123,7 @@ class Contact:
         if grids is None and len({solve.grid for solve in self.solved}) > 1:
             data = self.data
         else:
-            data = self._on(None if grids is None else grids_of("limit: grids", grids)).data
+            data = self._on(grids).data
         if why := str(data.no_limit.item()):
             raise NoLimit(why)
         return value_of(data, "area_own")
@@ -201,7 +201,7 @@ class Contact:
         from fem_contact.export import write_block, write_subsurface
 
         block = self.solved[self.solve].block
-        if block is not None and self.solve.has_block:
+        if block is not None:
             write_block(Path(path), block)
         else:
             write_subsurface(Path(path), self.below())

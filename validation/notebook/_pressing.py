@@ -19,7 +19,7 @@ from validation.effects import effect_kinds
 from validation.errors import NoLimit, UsageError, did_you_mean
 from validation.notebook._contact import Contact, pressed
 from validation.notebook._surface import Surface
-from validation.notebook._tables import GridLike, Quantity, checked, fast_grid, grids_of
+from validation.notebook._tables import GridLike, Quantity, checked, fast_grid
 from validation.report.values import Value, value_of
 from validation.scenes.checks import check_scene
 from validation.scenes.problem import realise
@@ -98,11 +98,9 @@ def press(
         raise UsageError(f"press: method = {method!r}: give its name; one of: {', '.join(methods())}")
     if not isinstance(options or {}, Mapping):
         raise UsageError(f'press: options = {options!r}: give a table, such as {{"tolerance": 1e-10}}')
-    points: Sequence[GridLike] = [_default_grid(surface, method) if grid is None else grid]
-    if grids is not None:
-        points = grids_of("press: grids", grids)
-        if grid is not None:
-            raise UsageError("press: grid and grids: give one of them")
+    if grids is not None and grid is not None:
+        raise UsageError("press: grid and grids: give one of them")
+    points = [_default_grid(surface, method) if grid is None else grid] if grids is None else grids
     listed = _effects(effects, press)
     known = all(effect_kinds()[effect["kind"]].has_theory() for effect in listed)
     chosen = {method: {**(options or {}), "grids": points}, **({"theory": {}} if known else {})}
@@ -162,10 +160,7 @@ def table(contacts: Iterable[Contact], *, along: str | None = None, limit: bool 
     UsageError
         For contacts that do not differ in it.
     """
-    try:
-        pressed_ones: list[Any] = list(contacts)
-    except TypeError:
-        pressed_ones = [contacts]
+    pressed_ones: list[Any] = list(contacts) if isinstance(contacts, Iterable) else [contacts]
     if not pressed_ones:
         raise UsageError("table: no contact is given; give a list, as [press(...), press(...)]")
     if wrong := [one for one in pressed_ones if not isinstance(one, Contact)]:

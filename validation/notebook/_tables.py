@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import html
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any, TypeVar
 
 import numpy as np
@@ -61,13 +61,6 @@ def pair(grid: GridLike) -> Grid:
     if len(sides) != 2 or not all(isinstance(n, int) and n > 0 for n in sides):
         raise UsageError(f"grid = {grid!r}: give points along the sides, as 256 or (256, 128)")
     return sides
-
-
-def grids_of(name: str, grids: object) -> list[Grid]:
-    """Return several grids."""
-    if not isinstance(grids, Sequence) or isinstance(grids, (str, bytes)) or not grids:
-        raise UsageError(f"{name} = {grids!r}: give several, as [32, 48, 64]")
-    return [pair(grid) for grid in grids]
 
 
 def fast_grid(lengths: Pair, shortest: float, points_per_wave: float) -> Grid:

@@ -43,7 +43,8 @@ def _shipped(name: str) -> xr.Dataset:
 
     with resources.as_file(resources.files(__package__).joinpath(name)) as path:
         try:
-            return read_numbers(path)
+            data: xr.Dataset = read_numbers(path)
+            return data
         except RunFailed as damage:
             why = str(damage).removesuffix("; run it again")
             raise RunFailed(f"{why}; install fem-contact again") from None

@@ -247,13 +247,24 @@ def total_error(data: xr.Dataset, name: str, *, sources: Iterable[str] | None = 
     errors = optional(data, f"{name}_error")
     if errors is None:
         return None
-    errors, names = errors.transpose(..., "source"), errors.source.values.tolist()
+    total = _total(errors.variable, errors.source.values.tolist(), sources)
+    return errors.isel(source=0, drop=True).copy(data=total).assign_attrs({})
+
+
+def error_here(data: xr.Dataset, name: str) -> tuple[float | None, str]:
+    """Total error of a single number, and what it holds; see `total_error` and `sources_of`."""
+    if f"{name}_error" not in data.variables:
+        return None, ""
+    total = float(_total(data.variables[f"{name}_error"], data.variables["source"].values.tolist()).item())
+    return total, sources_of(data[f"{name}_error"].squeeze()) if total > 0 else ""
+
+
+def _total(errors: xr.Variable, names: Sequence[str], sources: Iterable[str] | None = None) -> Array:
     asked = list(shown_sources(errors) if sources is None else sources)
-    half = errors.values[..., [names.index(source) for source in asked]]
+    half = np.moveaxis(errors.values, errors.get_axis_num("source"), -1)[..., [*map(names.index, asked)]]
     enter = [source not in errors.attrs for source in asked]
     measured = ~np.isnan(half[..., enter if any(enter) else slice(None)]).all(axis=-1)
-    total = np.where(measured, np.sqrt(np.nansum(half**2, axis=-1)), np.nan)
-    return errors.isel(source=0, drop=True).copy(data=total).assign_attrs({})
+    return np.where(measured, np.sqrt(np.nansum(half**2, axis=-1)), np.nan)
 
 
 def sources_of(errors: xr.DataArray) -> str:
@@ -272,7 +283,7 @@ def sources_of(errors: xr.DataArray) -> str:
     return "" if complete else ", ".join(source for source in shown_sources(errors) if half[source] > 0)
 
 
-def shown_sources(errors: xr.DataArray) -> tuple[str, ...]:
+def shown_sources(errors: xr.DataArray | xr.Variable) -> tuple[str, ...]:
     """Return which sources are part of the interval of a value for its own spectrum and period."""
     return tuple(s for s in SOURCES if s not in SPECTRAL or s == errors.attrs.get(LIMIT))
 

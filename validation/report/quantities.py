@@ -136,7 +136,7 @@ def labelled(data: xr.Dataset, written: Mapping[str, Any] = MappingProxyType({})
     return data
 
 
-def written_unit(variable: xr.DataArray) -> tuple[float, str] | None:
+def written_unit(variable: xr.DataArray | xr.Variable) -> tuple[float, str] | None:
     """Return factor and unit of a variable that is shown as its scene was written."""
     attrs = variable.attrs
     return (1 / float(attrs["written_unit"]), str(attrs["written_in"])) if "written_in" in attrs else None
@@ -211,12 +211,12 @@ def place_words(here: xr.Dataset, dim: str, data: xr.Dataset) -> str:
 
     The coordinate is that of its name, or else the first along it.
     """
-    along = [str(n) for n, c in data.coords.items() if c.dims == (dim,) and not str(n).startswith("_")]
-    names = [dim] if dim in data.coords else along
-    if not names:
+    along = (str(n) for n, c in data.coords.items() if c.dims == (dim,) and not str(n).startswith("_"))
+    name = dim if dim in data.coords else next(along, "")
+    if not name:
         return ""
-    place = here[names[0]]
+    place = here[name]
     if isinstance(place.item(), str):
-        return str(named_at(here, names[0]).get("words", place.item()))
-    what = quantity_of(data, names[0])
+        return str(named_at(here, name).get("words", place.item()))
+    what = quantity_of(data, name)
     return f"{what.symbol} = {in_shown_unit(place, what.unit)}"

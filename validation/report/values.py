@@ -12,7 +12,7 @@ import numpy as np
 import xarray as xr
 
 from validation.errors import UsageError
-from validation.report.estimates import sources_of, total_error
+from validation.report.estimates import error_here
 from validation.report.quantities import in_prefixed_unit, prefixed_unit, quantity, written_unit
 from validation.report.words import significant, with_error
 from validation.units import four_digits
@@ -156,22 +156,19 @@ def value_of(data: xr.Dataset, name: str) -> Value:
 
     Coordinates, texts and what has no errors are exact.
     """
-    if data[name].size != 1:
-        along = ", ".join(map(str, data[name].dims))
+    variable = data.variables[name]
+    if variable.size != 1:
+        along = ", ".join(map(str, variable.dims))
         raise UsageError(
             f"{name!r} is no single number here but one along {along}: choose a place, or its mean"
         )
-    item = data[name].item()
+    item = variable.values.item()
     if isinstance(item, str):
         return Value(value=item, name=name, at=place_of(data))
-    error = total_error(data, name)
+    error, sources = error_here(data, name)
+    shown_in = written_unit(variable)
     return Value(
-        value=float(item),
-        error=None if error is None else float(error.item()),
-        sources="" if error is None or not error.item() > 0 else sources_of(data[f"{name}_error"].squeeze()),
-        name=name,
-        at=place_of(data),
-        shown_in=written_unit(data[name]),
+        value=float(item), error=error, sources=sources, name=name, at=place_of(data), shown_in=shown_in
     )
 
 

@@ -260,10 +260,6 @@ class Solver(Method):
         """Name the compiled passes that the settings choose."""
         return ""
 
-    def has_block(self, settings: Mapping[str, Any]) -> bool:
-        """Whether a solve leaves a block to look at."""
-        return False
-
 
 def check_effects_handled(
     requested: Mapping[str, Method], effects: Sequence[Effect], known: Mapping[str, Method]

@@ -112,14 +112,10 @@ class Fem(BlockSolver):
         """Full or reduced."""
         return str(settings.get("method", "full"))
 
-    def has_block(self, settings: Mapping[str, Any]) -> bool:
-        """Only the full method holds the inside of the block, which may be a thousand times the surface."""
-        return self.variant(settings) == "full"
-
     def cost(self, size: Size) -> Cost:
         """Predict from the unknowns of the mesh."""
         unknowns = unknowns_of(size, self.variant(size.settings))
-        if self.has_block(size.settings):
+        if self.variant(size.settings) == "full":
             yields = any(effect.slot == "pressure bound" for effect in size.effects)
             sets = _YIELDING_SETS if yields else 1.0
             return Cost(
@@ -157,7 +153,9 @@ class Fem(BlockSolver):
             contact = press_by_patches(
                 job.field, model.patch_hardness, lambda limits: pressed(pressure_bound=limits)
             )
-        return Solved(contact=contact, block=replace(solutions[-1], contact=contact))
+        # Only the full method holds the inside of the block, which may be a thousand times the surface.
+        full = self.variant(job.settings) == "full"
+        return Solved(contact=contact, block=replace(solutions[-1], contact=contact) if full else None)
 
     def warm_up(self, effects: Sequence[Effect], settings: Mapping[str, Any]) -> None:
         """Press a small block."""
