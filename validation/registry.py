@@ -8,6 +8,7 @@ import importlib
 import inspect
 import os
 import pkgutil
+import platform
 import signal
 import sys
 import threading
@@ -128,3 +129,17 @@ def _within(seconds: float) -> Iterator[None]:
 
 def _name(kind: Any) -> str:
     return str(kind.kind_name() if hasattr(kind, "kind_name") else getattr(kind, "name", kind.__qualname__))
+
+
+#: Packages whose version may change a result.
+_SHAPING = ("fem-contact", "numpy", "scipy", "numba", "ducc0", "scikit-fem")
+
+
+@functools.cache
+def versions() -> dict[str, str]:
+    """Versions of everything that shapes a result."""
+    known = {"Python": platform.python_version()}
+    for name in _SHAPING:
+        with contextlib.suppress(metadata.PackageNotFoundError):  # a source tree that was not installed
+            known[name] = metadata.version(name)
+    return known

@@ -12,12 +12,18 @@ from pathlib import Path
 import numpy as np
 import psutil
 import xarray as xr
+from scipy.special import erf
 
 from validation.execution.attempt import Progress
 from validation.execution.bench import Bench, Execution
 from validation.execution.solve import Prediction, Solve
 from validation.execution.store import Store
 from validation.sandbox import ONE_THREAD
+
+
+def persson_area(reduced_pressure):
+    """A/A0 of Persson's theory at p*."""
+    return erf(2**0.5 * np.asarray(reduced_pressure))
 
 
 class Notes(Progress):

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from validation.measurements.hierarchy import bumps, press_bumps, radii_of
 from validation.report.estimates import total_error
 from validation.studies import archard
+from validation.studies.archard import bumps, press_bumps, radii_of
 
 LOADS = (0.016, 0.032, 0.064)
 

@@ -471,20 +471,11 @@ def test_studies_and_cases_and_scenes_are_listed_for_people_and_scripts(done):
 
 def test_reproduce_prints_the_claims(done, monkeypatch, tmp_path):
     from validation.paper import reproduce
-    from validation.paper.claims import ClaimRow, percent
+    from validation.paper.claims import STATED, percent
 
-    row = ClaimRow(
-        claim="area [nm]",
-        application="steel",
-        section="4",
-        stated=percent(1.0),
-        computed=1.01,
-        literal=1.01,
-        convention="",
-        verdict="reproduced",
-        reason="",
-        note="",
-    )
+    row = dict(zip(STATED, percent(1.0), strict=True)) | {"claim": "steel: area [nm]", "paper_section": "4"}
+    row |= {"computed": 1.01, "literal": 1.01, "paper_verdict": "reproduced"}
+    row |= dict.fromkeys(("paper_convention", "paper_reason", "paper_note"), "")
     monkeypatch.setattr(reproduce, "APPLICATIONS", (None,))
     monkeypatch.setattr(reproduce, "FIGURES", ())
     monkeypatch.setattr(reproduce, "judge", lambda application, tell: [row])

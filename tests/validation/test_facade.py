@@ -290,7 +290,7 @@ loaded = partial(pressed, pressure=1e6)
         (lambda: table(None), "table: None: give a list of contacts"),
         (lambda: measured(np.zeros((8, 8)), length=1e-5, unit=[1, 2]), r"unit = \[1, 2\]: must be a length"),
         (lambda: fem_contact.study("hurts"), "did you mean 'hurst'"),
-        (lambda: fem_contact.study("hurst", hurst=0.5), "no option 'hurst'; did you mean 'hursts'"),
+        (lambda: fem_contact.study("hurst", hurst=0.5), "unknown key 'hurst'; did you mean 'hursts'"),
         (lambda: fem_contact.study("hurst", hursts=5), "hursts = 5: must be a list"),
         (lambda: fem_contact.study("area", bench=3), "bench = 3: give a folder"),
         (lambda: fem_contact.study.findings(3), "no such study; one of: "),
@@ -336,7 +336,7 @@ def test_study_names_are_completed():
     names = {name.replace("-", "_") for group in GROUPS.values() for name in group}
     assert names <= set(dir(fem_contact.study))
     for name in names:
-        with pytest.raises(UsageError, match=f"study {name.replace('_', '-')}: no option 'no_such'"):
+        with pytest.raises(UsageError, match=f"study {name.replace('_', '-')}: unknown key 'no_such'"):
             getattr(fem_contact.study, name)(no_such=1)
 
 

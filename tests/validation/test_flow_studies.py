@@ -7,10 +7,11 @@ import pytest
 import xarray as xr
 from numpy.testing import assert_allclose
 from planted import STUDENT, THREE, PlantedBench, made_of, measurement
+from solving import persson_area
 
 from fem_contact import HalfSpace, bem, contact_areas, flow_conductance, frozen_contact, open_gap
 from validation.measurements import flow
-from validation.measurements.common import base_case, persson_area
+from validation.measurements.common import base_case
 from validation.measurements.flow import GAP_EDGES
 from validation.measurements.measurement import grid_for
 from validation.report.estimates import total_error

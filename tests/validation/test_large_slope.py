@@ -9,8 +9,8 @@ from validation.comparison.finite_slopes import finite_slopes
 from validation.effects.base import Roughness
 from validation.measurements.common import base_case, base_surface
 from validation.measurements.measurement import grid_for
-from validation.measurements.slopes import CHANGES, with_differences
 from validation.studies import large_slope
+from validation.studies.large_slope import CHANGES, with_differences
 
 
 @pytest.fixture(scope="module")

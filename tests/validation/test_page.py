@@ -117,7 +117,7 @@ def _page(**said):
 
 
 def test_a_page_writes_every_digit_and_shows_five(tmp_path):
-    table = ResultTable.of(("name", "value"), [("a", 1 / 3), ("b", float("nan"))])
+    table = ResultTable(columns=("name", "value"), rows=(("a", 1 / 3), ("b", float("nan"))))
     data = xr.Dataset({"area": ("load", np.array([0.1, 0.2]))})
     page = _page(records={"table": table}, tables=(shown(table),), data=data, summary={"x": 1})
     files = write_page(page, tmp_path, numbers_only=False)
@@ -129,7 +129,7 @@ def test_a_page_writes_every_digit_and_shows_five(tmp_path):
 
 @pytest.mark.parametrize(("columns", "rows"), [(13, 3), (12, 3), (13, 9)])
 def test_a_table_of_many_columns_and_few_rows_is_turned(columns, rows):
-    table = ResultTable.of([f"c{k}" for k in range(columns)], [[1.0] * columns] * rows)
+    table = ResultTable(columns=tuple(f"c{k}" for k in range(columns)), rows=((1.0,) * columns,) * rows)
     page = render(_page(tables=(shown(table, title="Wide"),)))
     assert ("scroll turned" in page) == ((columns, rows) == (13, 3))
     names, lines = page_tables(page)["Wide"]
@@ -151,14 +151,16 @@ def test_half_a_page_holds_a_table_of_76_characters():
 
 def test_what_was_measured_nowhere_takes_no_column_and_is_named_below():
     cells = [("a", 1.0, "not measured", "not measured"), ("b", 2.0, "not measured", 0.5)]
-    table = shown(ResultTable.of(("number", "grid [%]", "size [%]", "solver [%]"), cells), note="Shares.")
+    table = shown(
+        ResultTable(columns=("number", "grid [%]", "size [%]", "solver [%]"), rows=cells), note="Shares."
+    )
     assert table.columns == ("number", "grid [%]", "solver [%]")
     assert table.note == "Shares. Not measured: size."
 
 
 def test_what_intervals_hold_is_said_of_the_rows_that_have_one():
     cells = [("a", 2.0, 0.1, "grid"), ("b", 3.0, math.nan, math.nan)]
-    table = shown(ResultTable.of(("number", "kappa", "kappa +- (95 %)", "kappa +- holds"), cells))
+    table = shown(ResultTable(columns=("number", "kappa", "kappa +- (95 %)", "kappa +- holds"), rows=cells))
     assert table.note == "Intervals (95 %) hold: grid."
 
 

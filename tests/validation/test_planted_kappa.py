@@ -19,11 +19,11 @@ from planted import (
     measurement,
     realisation,
 )
+from solving import persson_area
 
 from fem_contact import area_error
 from fem_contact.area import EDGE_CONSTANTS, TRAITS
 from validation.measurements import references
-from validation.measurements.common import persson_area
 from validation.report.estimates import claim, total_error
 from validation.report.marks import draw
 from validation.studies import find_study, hurst, refinement, theory_verdict

@@ -23,9 +23,9 @@ from planted import (
     made_of,
     measurement,
 )
+from solving import persson_area
 
 from validation.measurements import adhesive, limits, ways
-from validation.measurements.common import persson_area
 from validation.measurements.load_path import SHARES
 from validation.measurements.measurement import area_limits, truncated_heights
 from validation.report.estimates import NORMAL, total_error

@@ -50,13 +50,15 @@ def test_spectra_cross_where_it_is_said():
 
 @pytest.mark.parametrize(("area", "words"), [(0.3, "leaks"), (0.4, "not decided"), (0.6, "seals")])
 def test_a_rim_seals_above_all_thresholds_and_leaks_below_all(monkeypatch, area, words):
-    pressed = SimpleNamespace(pressed=SimpleNamespace(real_area=area))
-    monkeypatch.setattr(rim, "_READINGS", {"one": pressed})
+    monkeypatch.setattr(rim, "_READINGS", {"one": None})
+    monkeypatch.setattr(rim, "_pressed", lambda reading: SimpleNamespace(real_area=area))
     assert rim._seals().endswith(f"one {area:.4f}: {words}")
 
 
 def verdicts(rows):
-    return {row.claim: f"{row.verdict}: {row.reason}" if row.reason else row.verdict for row in rows}
+    return {
+        row["claim"]: ": ".join(filter(None, (row["paper_verdict"], row["paper_reason"]))) for row in rows
+    }
 
 
 def result_of(rows, folder, figures=()):
@@ -85,23 +87,23 @@ TOY = Application(
 def test_all_claims_of_a_system_are_judged_under_one_convention():
     """Two of the three that depend on it agree under the second; the third may not have its own."""
     rows = judge(TOY)
-    assert [row.computed for row in rows] == [2.0, 4.0, 2.0, 7.0, 8.0]
-    assert [row.literal for row in rows] == [1.0, 2.0, 1.0, 7.0, 8.0]
-    assert [row.convention for row in rows] == ["two", "two", "two", "as stated", "as stated"]
+    assert [row["computed"] for row in rows] == [2.0, 4.0, 2.0, 7.0, 8.0]
+    assert [row["literal"] for row in rows] == [1.0, 2.0, 1.0, 7.0, 8.0]
+    assert [row["paper_convention"] for row in rows] == ["two", "two", "two", "as stated", "as stated"]
     found = verdicts(rows)
-    assert found["a [nm]"] == "reproduced under the joint convention"
-    assert found["c"].startswith("not reproduced")
-    assert found["d"] == "reproduced"
-    assert found["e"] == "not reproduced: it is 8"
-    assert "literally 1, which agrees, too" in rows[2].note
+    assert found["toy: a [nm]"] == "reproduced under the joint convention"
+    assert found["toy: c"].startswith("not reproduced")
+    assert found["toy: d"] == "reproduced"
+    assert found["toy: e"] == "not reproduced: it is 8"
+    assert "literally 1, which agrees, too" in rows[2]["paper_note"]
 
 
 def test_the_literal_convention_wins_a_tie_and_a_choice_is_never_called_reproduced_alone():
     rows = judge(replace(TOY, claims=(TOY.claims[0], TOY.claims[2])))
-    assert rows[1].convention == "one"
-    assert rows[1].verdict == "reproduced with a choice"
-    assert rows[1].reason == "chosen"
-    assert rows[0].verdict == "not reproduced"
+    assert rows[1]["paper_convention"] == "one"
+    assert rows[1]["paper_verdict"] == "reproduced with a choice"
+    assert rows[1]["paper_reason"] == "chosen"
+    assert rows[0]["paper_verdict"] == "not reproduced"
 
 
 def test_a_claim_is_computed_once_where_no_convention_enters():
@@ -113,13 +115,13 @@ def test_a_claim_is_computed_once_where_no_convention_enters():
 
 def test_what_is_written_and_not_computed_is_refused():
     with pytest.raises(ValueError, match=r"Pyrex: .*half_yielded.*: written or computed alone"):
-        application("Pyrex", fixed={"rms": float})
+        application("Pyrex", values={"rms": lambda: 1.0})
 
 
 def told(application):
     """Number and verdict of each claim under the best convention."""
     return {
-        f"{application.name}: {row.claim}": [row.computed, *filter(None, (row.verdict, row.reason))]
+        row["claim"]: [row["computed"], *filter(None, (row["paper_verdict"], row["paper_reason"]))]
         for row in judge(of_best(application))
     }
 
@@ -203,7 +205,7 @@ def test_the_page_lists_what_fails_and_what_has_no_verdict(tmp_path):
     assert columns == {name for name, v in result.data.variables.items() if v.dims == ("claim",)}
     told = ("stated", "stated_low", "stated_high", "stated_basis")
     shown = [list(result.data[name].values) for name in told]
-    assert shown == [list(one) for one in zip(*(row.stated for row in judge(TOY)), strict=True)]
+    assert shown == [[row[name] for row in judge(TOY)] for name in told]
     assert (page.summary["kind"], page.summary["name"]) == (result.kind, result.name)
     assert page.findings[0].startswith("1 of 5 numbers follow from the text as it stands, 2 under the set")
     assert page.findings[1].startswith("Not reproduced: toy: c (1: ")

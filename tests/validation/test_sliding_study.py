@@ -5,11 +5,11 @@ from gold.asked import STUDIES
 
 from fem_contact import PronySolid, slide
 from validation.errors import UsageError
-from validation.measurements import sliding as measure
 from validation.measurements.common import base_case
 from validation.measurements.measurement import grid_for
 from validation.scenes.tables import SolidSpec
 from validation.studies import find_study, sliding
+from validation.studies import sliding as measure
 
 
 @pytest.fixture(scope="module")

@@ -8,6 +8,7 @@ import pytest
 import xarray as xr
 from numpy.testing import assert_allclose
 from planted import STUDENT, PlantedBench, measurement
+from scipy.special import erf
 
 from fem_contact import HalfSpace, HeightField, Solid, bem, yielded
 from persson import constant_hardness
@@ -20,12 +21,12 @@ from validation.measurements.grid_roughness import rms_slopes
 from validation.measurements.grids import observed_order
 from validation.measurements.measurement import press_on_grids, pressed_path, truncated_heights
 from validation.measurements.statistics import order_of_convergence
-from validation.measurements.theory import Waves, ensemble_stress_variance
-from validation.measurements.yielding import remaining_by_theory
+from validation.measurements.theory import Waves, ensemble_area
 from validation.report.estimates import claim, error_of, total_error
 from validation.scenes.surfaces import spectrum_of
 from validation.scenes.tables import SelfAffineSurface
 from validation.studies import graded, magnification
+from validation.studies.hardness import remaining_by_theory
 
 SOFT = Solid(young=1.0, poisson=0.0)
 
@@ -202,8 +203,10 @@ def test_energy_and_variance_of_the_waves_of_a_field_are_those_of_its_spectrum()
 
 def test_variances_expected_of_a_spectrum_scatter_with_the_squared_gradients_about_its_own():
     surface = base_surface(hurst=0.8, periods=2.0, bandwidth=4.0, seed=97)
-    found = ensemble_stress_variance(spectrum_of(surface), [0.1, 0.2])
-    assert_allclose(found, 0.1**2 / 4 * np.array([0.4, 1.6]), rtol=1e-9)
+    found = ensemble_area(spectrum_of(surface), [0.3], rms_gradients=[0.1, 0.2])
+    spread = (2 * 0.1**2 / 4 * np.array([0.4, 1.6])) ** 0.5
+    expected = [[erf(0.3 * gradient / spread).mean()] for gradient in (0.1, 0.2)]
+    assert_allclose(found, expected, rtol=1e-9)
 
 
 def test_rungs_of_a_known_order_lead_to_their_limit_and_a_shift_grows_with_it():

@@ -17,20 +17,10 @@ from validation.audit.values import judge_shown, value_ledger
 def audit(folder: Path) -> Ledger:
     """Compute every number of a run again from its stored fields, and compare all places where it stands.
 
-    Parameters
-    ----------
-    folder : Path
-        Results of a run with at least one solver, of a sweep of such a scene, or of a study.
+    `folder` holds a run with at least one solver, a sweep of such a scene, or a study; the ledger has every
+    number found, beside the one recomputed.
 
-    Returns
-    -------
-    Ledger
-        Every number found, beside the one recomputed.
-
-    Raises
-    ------
-    OSError, ValueError, LookupError
-        For a folder that holds no finished run of this version.
+    An OSError, ValueError or LookupError for a folder that holds no finished run of this version.
     """
     try:
         result = Result(folder)

@@ -482,12 +482,6 @@ def yielded_areas(pressure: float, *, variance: float, hardness: float) -> Pair:
     if v < _LEAST:
         near, far = x / math.sqrt(2 * v), (1 - x) / math.sqrt(2 * v)
         return math.erfc(far), 1 - math.erfc(near) - math.erfc(far)
-    plastic, staying = x, 0.0
-    for n in range(1, _TERMS):
-        decay = math.exp(-((n * math.pi) ** 2) * v / 2)
-        wave = math.sin(n * math.pi * x) * decay / (n * math.pi)
-        plastic += 2 * (-1) ** n * wave
-        staying += 4 * wave if n % 2 else 0.0
-        if decay < 1e-18:
-            break
-    return plastic, staying
+    n = np.arange(1, _TERMS) * math.pi
+    waves = np.sin(n * x) * np.exp(-(n**2) * v / 2) / n
+    return x - 2 * float(np.sum(waves[::2]) - np.sum(waves[1::2])), 4 * float(np.sum(waves[::2]))

@@ -79,11 +79,6 @@ def within(quantity: str, computed: ArrayLike, low: float, high: float) -> Check
     return near(quantity, computed, (low + high) / 2, (high - low) / 2)
 
 
-def holds(quantity: str, condition: object) -> Check:
-    """Return a check that something is so: 1 for true."""
-    return near(quantity, bool(condition), 1.0, 0.0)
-
-
 def order(
     quantity: str, resolutions: Sequence[float], errors: Sequence[float], *, expected: float, tolerance: float
 ) -> Check:

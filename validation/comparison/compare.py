@@ -63,7 +63,7 @@ def compare_folders(folders: Sequence[Path], output: Path, *, report: bool = Tru
     label, first = next(iter(results.items()))
     kind = _KINDS.get(first.kind, f"results of the {_question(first)}")
     table = _table(data)
-    short = ResultTable.of(table.columns, table.rows[:_ROWS])
+    short = replace(table, rows=table.rows[:_ROWS])
     more = f"{len(table.rows) - _ROWS} more rows are in table.csv. " if len(table.rows) > _ROWS else ""
     tables = [shown(short, title="Numbers side by side", note=more + _JOINT)]
     if differ:

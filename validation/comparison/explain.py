@@ -257,8 +257,8 @@ def _facts(scene: Scene, problem: ContactProblem) -> Iterator[tuple[str, str]]:
     else:
         how = "by differences" if isinstance(field, Patch) else "spectral"
         yield "realised surface", f"{_heights(field)} ({how})"
-    if problem.topography is not None:
-        yield from (("measured", words) for words in problem.topography.history)
+    if problem.measured is not None:
+        yield from (("measured", words) for words in problem.measured.period.history)
     else:
         yield "integrals over C(q)", _heights(problem.spectrum_shape.moments())
         sizes = f"L/lambda_long = {min(problem.lengths) / problem.longest:.3g}, "

@@ -23,6 +23,7 @@ from validation.comparison.treatment import about
 from validation.errors import RunFailed
 from validation.execution.press import Contacts, Press
 from validation.measurements.common import LEAST_POINTS_PER_WAVE
+from validation.measurements.limits import ABSENT
 from validation.measurements.measurement import TOLERANCES_LEFT, limit_over, no_limit
 from validation.measurements.statistics import finest_error, order_of_convergence, relative_distance
 from validation.report.estimates import HOLDS, NORMAL, bare, derive, error_of, gather, mean, mean_of
@@ -35,7 +36,6 @@ from validation.solvers.theory import predict
 
 _TOO_FEW = "it needs two resolved grids"
 _ABSENT = {"theory": "it is simulated"}
-_HALF_SPACE = {**_ABSENT, "depth": "boundary elements press a half-space"}
 #: Within which relative distance from the limit the cheapest solve is looked for.
 _CLOSE = 0.01
 
@@ -88,7 +88,7 @@ def scene_data(
     data = below(data, scene, results)
     if failures:
         data = data.assign(failures=case.failed)
-    treatment = "" if problem.topography is None else "\n".join(problem.topography.history)
+    treatment = "" if problem.measured is None else "\n".join(problem.measured.period.history)
     data = labelled(data, scene.given).assign_attrs(about(scene, problem))
     return data.assign_attrs(adhesive=int(is_adhesive(scene.effects)), treatment=treatment)
 
@@ -191,7 +191,7 @@ def _own_area(data: xr.Dataset, case: Case) -> xr.Dataset:
     succeeded = [name for name in case.methods if name in pressed]
     method = next((name for name in succeeded if not limits_by_method[name].why.item()), succeeded[0])
     every, first = gather(limits_by_method, solver=case.methods), limits_by_method[method]
-    absent = _ABSENT if case.scene.methods.solvers[method].sinks else _HALF_SPACE
+    absent = _ABSENT if case.scene.methods.solvers[method].sinks else ABSENT
     limits = every.area.where(every.why == "")
     return data.assign(
         area_limit=limits,
@@ -266,7 +266,7 @@ def _as_claimed(data: xr.Dataset, accurate: Mapping[str, Any]) -> xr.Dataset:
         parts = {"solver": solver * float(area), "grid": grid * float(area)}
         if statistical:
             parts["surfaces"] = statistical * float(area)
-        return error_of(area, **parts, **_HALF_SPACE)
+        return error_of(area, **parts, **ABSENT)
 
     data = data.assign(
         area_own_error=claimed(data.area_own, accurate["error"]),
@@ -298,7 +298,7 @@ def _surfaces(case: Case) -> xr.Dataset | None:
         area, half = xr.DataArray(limit.value), NORMAL * limit.uncertainty
         part = {
             "area_each": area.assign_attrs(reduction="limit"),
-            "area_each_error": error_of(area, grid=half, **_HALF_SPACE),
+            "area_each_error": error_of(area, grid=half, **ABSENT),
             "rms_gradient_each": here.field.rms_gradient,
             "reduced_pressure_each": here.pressure / (case.modulus * here.field.rms_gradient),
             "solve_surface": ("surface_grid", [on[g].solve.key if g in on else "" for g in grids]),

@@ -209,7 +209,8 @@ def sweep_data(sweep: Sweep, cases: Sequence[ContactProblem], results: Solves) -
         data = gather(dict(zip(every, parts, strict=True)), **places)
     for key in sweep.keys:
         data[key.name].attrs.update(units=key.unit, long_name=key.key, key=key.key)
-        data = data.sortby(key.name) if sweep.mode == "product" and key.numeric else data
+        numeric = data[key.name].dtype.kind in "fiu"
+        data = data.sortby(key.name) if sweep.mode == "product" and numeric else data
     alike = {"title", "methods", "effects", "theory", "drawn", "adhesive", "doubts"}
     shared = {name: value for name, value in parts[0].attrs.items() if name in alike}
     told = {"mode": sweep.mode, "cases": len(parts), "keys": " ".join(names)}

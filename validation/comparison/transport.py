@@ -30,7 +30,7 @@ def passing(data: xr.Dataset, case: Case) -> xr.Dataset:
     the surface; with an ensemble means over its surfaces.
     """
     scene, results, quantities = case.scene, case.results, case.scene.quantities
-    if quantities is None or not quantities.passing:
+    if quantities is None or not (quantities.electrical or quantities.thermal or quantities.leak):
         return data
     alike = ([s for s in case.ladder(name) if results[s].weights is None] for name in case.methods)
     ladder = next(filter(None, alike), [])

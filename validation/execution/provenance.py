@@ -2,21 +2,17 @@
 
 from __future__ import annotations
 
-import contextlib
-import functools
 import platform
 import socket
 from collections import Counter
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from datetime import UTC, datetime
-from importlib import metadata
+
+from validation.registry import versions
 
 #: Attribute of a dataset of many solves: how they were made, the lines of `made_words`.
 SOLVES_MADE = "solves_made"
-
-#: Packages whose version may change a result.
-_SHAPING = ("fem-contact", "numpy", "scipy", "numba", "ducc0", "scikit-fem")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -34,22 +30,13 @@ class Made:
     def now(cls, *, threads: int, seconds: float) -> Made:
         """Return how a solve was made that has just ended in this process."""
         return cls(
-            versions=_versions(),
+            versions=versions(),
             host=socket.gethostname(),
             machine=f"{platform.system()} {platform.machine()}",
             threads=threads,
             seconds=round(seconds, 6),
             finished=datetime.now(UTC).isoformat(timespec="seconds"),
         )
-
-
-@functools.cache
-def _versions() -> dict[str, str]:
-    versions = {"Python": platform.python_version()}
-    for name in _SHAPING:
-        with contextlib.suppress(metadata.PackageNotFoundError):  # a source tree that was not installed
-            versions[name] = metadata.version(name)
-    return versions
 
 
 def made_words(made: Iterable[Made]) -> tuple[str, ...]:

@@ -5,15 +5,10 @@ from __future__ import annotations
 import itertools
 from typing import Annotated, Any
 
-import numpy as np
-from numpy.typing import ArrayLike
 from pydantic import AfterValidator, Field, ValidationInfo
 
-from persson import elastic
-from validation.arrays import Array
 from validation.errors import UsageError
 from validation.scenes.problem import ContactProblem
-from validation.scenes.surfaces import spectrum_of
 from validation.scenes.tables import Load, SelfAffineSurface, SolidSpec
 from validation.units import Positive, wrong
 
@@ -128,30 +123,3 @@ Resolved = Annotated[RisingSeveral, AfterValidator(_resolving)]
 Counts = tuple[Annotated[int, Field(ge=2)], ...]
 RisingGrids = Annotated[Counts, AfterValidator(_given), AfterValidator(in_rising_order)]
 Ladder = Annotated[Rising, AfterValidator(_of_a_limit)]
-
-
-def persson_area(reduced_pressure: ArrayLike) -> Array:
-    """A/A0 of Persson's theory at p* = p0/(E* h'_rms): erf(sqrt(2) p*).
-
-    >>> bool(abs(persson_area(0.001) / 0.001 - np.sqrt(8 / np.pi)) < 1e-5)
-    True
-    """
-    variance = elastic.stress_variance(1.0, contact_modulus=1.0)
-    return np.asarray(
-        elastic.contact_area(np.asarray(reduced_pressure, dtype=float), stress_variance=variance)
-    )
-
-
-def truncated_surface(
-    until: float, *, gradient: float, bandwidth: float, **geometry: Any
-) -> SelfAffineSurface:
-    """Return a surface with its waves up to q/q_long = until <= bandwidth, unchanged by those that are left out.
-
-    h'_rms and bandwidth are of the whole surface, `geometry` as for `base_surface`.
-    """
-    full = base_surface(bandwidth=bandwidth, gradient=gradient, **geometry)
-    if until == bandwidth:
-        return full
-    spectrum = spectrum_of(full)
-    left = gradient * float(spectrum.m2(until * spectrum.q_long) / spectrum.m2()) ** 0.5
-    return base_surface(bandwidth=until, gradient=left, **geometry)

@@ -52,11 +52,6 @@ def unsolved_statistics(field: HeightField) -> dict[str, float]:
     return statistics | {name: float(values.mean()) for name, values in moments.items()}
 
 
-def statistics_of_pair(field: HeightField) -> dict[str, float]:
-    """Return `unsolved_statistics`, and h'_rms: where amplitudes are random it says what one pressure for all is in p*."""
-    return unsolved_statistics(field) | {"h'_rms": field.rms_gradient}
-
-
 def _unit_fields(field: HeightField) -> tuple[Array, Array, Array]:
     shape = field.shape
     waves = scipy.fft.rfft2(field.heights - field.heights.mean())
@@ -80,9 +75,13 @@ def _unit_fields(field: HeightField) -> tuple[Array, Array, Array]:
     compiled=lambda: (),
 )
 def unsolved_pairs(*, problem: ContactProblem, grid: Grid, first: int, count: int) -> xr.Dataset:
-    """Return `statistics_of_pair` of `count` surfaces of one spectrum; dimensions (surface, statistic)."""
+    """Return `unsolved_statistics` of `count` surfaces of one spectrum; dimensions (surface, statistic).
+
+    And h'_rms: where amplitudes are random it says what one pressure for all is in p*.
+    """
     began = time.process_time()
-    statistics = [statistics_of_pair(problem.further(k).heights(grid)) for k in range(first, first + count)]
+    fields = (problem.further(k).heights(grid) for k in range(first, first + count))
+    statistics = [unsolved_statistics(field) | {"h'_rms": field.rms_gradient} for field in fields]
     return xr.Dataset(
         {"value": (("surface", "statistic"), np.array([list(row.values()) for row in statistics]))},
         # Not a coordinate: to read one of text, xarray loads dask.

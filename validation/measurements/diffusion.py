@@ -41,14 +41,14 @@ _AWAY, _EDGE = (0.735, 2.94), (0.06, 0.135)
 #: Magnification from which on waves are short.
 _LATE = 4.0
 
-_TERMS = ("square_growth", "square_diffusion", "square_drift", "square_reentry")
+SQUARE_TERMS = ("square_growth", "square_diffusion", "square_drift", "square_reentry")
 _OF_CHAINS = (
     *("area", "area_persson", "area_ratio", "area_ratio_end", "area_exponent", "area_exponent_pixel"),
     "area_exponent_persson",
     *("square_told", "square_growth_path", "square_difference", "loss_ratio", "area_diffused_ratio"),
     *("area_ratio_diffused", "inflow_share", "inflow_share_composed", "inflow_excess", "return_chance"),
     *("crossed_share", "out_share", "exponent_ratio", "exponent_ratio_late"),
-    *(*_TERMS, *(f"{name}_late" for name in _TERMS)),
+    *(*SQUARE_TERMS, *(f"{name}_late" for name in SQUARE_TERMS)),
 )
 _FLOWS = {
     "share_lost": "area_lost",
@@ -98,14 +98,6 @@ def budgets_of(bench: Bench, cases: Mapping[tuple[float, float, int, float], Cal
         data[f"{name}_error"] = error_of(limit, grid=NORMAL * error.isel(sign=k, drop=True))
         data[f"coarser_{name}"] = coarser.isel(sign=k, drop=True)
     return data.assign(grid_spacing=("grid", 1 / areas.points_per_wave.values))
-
-
-def of_probe(data: xr.Dataset) -> xr.Dataset:
-    """Name what single rings left apart from what chains did: ``area_each_error`` is ``area_probe_each_error``."""
-    dims = {"step": "variance_step", "level": "probe_level", "grid": "probe_grid", "surface": "probe_surface"}
-    names = map(str, data.data_vars)
-    apart = {n: n.replace("_each", "_probe_each") if "_each" in n else f"{n}_probe" for n in names}
-    return data.rename(dims | apart)
 
 
 def with_diffusion_terms(data: xr.Dataset) -> xr.Dataset:
@@ -211,7 +203,9 @@ def _with_square_budget(data: xr.Dataset) -> xr.Dataset:
         square_told_each=over_unit(two_grid_limit(pressure_terms, data.grid_spacing)),
         square_growth_path_each=_by_octave(data, last - first) / unit,
     )
-    late = {f"{name}_late_each": data[f"{name}_each"].isel(_late(data)).mean("octave") for name in _TERMS}
+    late = {
+        f"{name}_late_each": data[f"{name}_each"].isel(_late(data)).mean("octave") for name in SQUARE_TERMS
+    }
     return derive(_added(data, **late), square_difference_each="square_growth_path_each - square_growth_each")
 
 

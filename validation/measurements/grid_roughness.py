@@ -9,14 +9,13 @@ import numpy as np
 import xarray as xr
 
 from fem_contact.area import contact_areas
-from fem_contact.surface import HeightField, random_surface
+from fem_contact.surface import HeightField
 from validation.arrays import Array, Grid
 from validation.effects.base import ContactModel
 from validation.execution.measurement import measurement
 from validation.execution.solve import Prediction
 from validation.measurements.common import reduced_load
 from validation.scenes.problem import ContactProblem
-from validation.scenes.surfaces import spectrum_of
 from validation.scenes.tables import SelfAffineSurface
 from validation.solvers import find_solver
 
@@ -48,13 +47,7 @@ def grid_roughness(
     pressure is that of the spectral slope. Returns kappa for the three slopes, by boundary elements or, as Hyun et al.
     had them, by a whole block of finite elements one period deep.
     """
-    wide, modulus = down_to_grid(problem, grid[0]), problem.contact_modulus
-    surface = wide.surface
-    assert isinstance(surface, SelfAffineSurface)
-    seed, q_short = surface.seed_of(problem.realisation), 2 * np.pi / surface.lambda_short
-    field = random_surface(
-        spectrum_of(surface), q_short=q_short, lengths=surface.length, shape=grid, seed=seed
-    )
+    field, modulus = down_to_grid(problem, grid[0]).heights(grid), problem.contact_modulus
     slopes = rms_slopes(field)
     pressure = reduced_load(problem) * modulus * slopes["spectral"]
     result = find_solver(method).pressed(field, ContactModel(solid=problem.elastic), pressure).checked()

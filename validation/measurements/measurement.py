@@ -29,7 +29,7 @@ from validation.measurements.common import LEAST_POINTS_PER_WAVE, SHIFTS, reduce
 from validation.measurements.distributions import histograms_of
 from validation.scenes.problem import ContactProblem
 from validation.scenes.scene import EffectSpec
-from validation.scenes.surfaces import spectrum_of
+from validation.scenes.surfaces import waves_drawn
 from validation.scenes.tables import FileSurface
 from validation.solvers import find_solver
 
@@ -276,18 +276,11 @@ def truncated_heights(
     """Return the heights of a surface on a grid, without its waves beyond a wavevector [1/m]."""
     if truncation is None:
         return problem.heights(grid, shift)
-    surface = problem.surface
-    if isinstance(surface, FileSurface):
+    if isinstance(problem.surface, FileSurface):
         return without_waves_beyond(problem.field, truncation).resampled(grid).shifted(shift)
-    spectrum = spectrum_of(surface)
-    field = random_surface(
-        spectrum,
-        q_short=min(truncation, spectrum.q_short),
-        lengths=surface.length,
-        shape=grid,
-        seed=surface.seed_of(problem.realisation),
-        amplitudes=surface.amplitudes,
-    ).shifted(shift)
+    drawn = waves_drawn(problem.surface, problem.realisation)
+    drawn["q_short"] = min(truncation, drawn["q_short"])
+    field = random_surface(**drawn, shape=grid).shifted(shift)
     return HeightField(heights=-field.heights, lengths=field.lengths) if problem.inverted else field
 
 

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import itertools
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -103,22 +102,6 @@ class Rings:
         return press_elastic(surface, self.problem.elastic, load, start=start, tolerance=self.tolerance)
 
 
-def chain_states(
-    problem: ContactProblem, *, points: int, ends: Sequence[float], tolerance: float
-) -> Iterator[tuple[float, ContactResult, ContactResult]]:
-    """Yield V [Pa^2], the result with the ring just added, and that with its negative, from coarse to fine."""
-    rings, load = Rings(problem, points, tolerance), problem.pressure
-    heights = rings.heights(0.0, ends[0])
-    state = rings.press(heights, load=load)
-    yield rings.variance(heights), state, state
-    for above, until in itertools.pairwise(ends):
-        ring = rings.heights(above, until)
-        other = rings.press(heights - ring, load=load, start=state.pressure)
-        heights = heights + ring
-        state = rings.press(heights, load=load, start=state.pressure)
-        yield rings.variance(heights), state, other
-
-
 @measurement(
     "rings-{points}",
     kind="Chain",
@@ -149,9 +132,16 @@ def chain(
     starts: dict[float, tuple[float, Pressed]] = {}
     diffused = np.full((len(restarts), len(ends)), np.nan)
     before, memory = None, None
-    states = chain_states(problem, points=points, ends=ends, tolerance=tolerance)
-    for zeta, (v, result, other) in zip(ends, states, strict=True):
-        state = pressed(result)
+    rings, load = Rings(problem, points, tolerance), problem.pressure
+    heights = rings.heights(0.0, ends[0])
+    result = other = rings.press(heights, load=load)
+    for k, zeta in enumerate(ends):
+        if k:
+            ring = rings.heights(ends[k - 1], zeta)
+            other = rings.press(heights - ring, load=load, start=result.pressure)
+            heights = heights + ring
+            result = rings.press(heights, load=load, start=result.pressure)
+        v, state = rings.variance(heights), pressed(result)
         areas.append([areas_of(result), areas_of(other)])
         square.append(float(np.mean(state.pressure**2)) / v)
         if before is None or memory is None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
@@ -12,10 +12,10 @@ import xarray as xr
 from numpy.typing import ArrayLike
 from scipy.interpolate import CubicSpline, PchipInterpolator
 
+from persson import elastic
 from validation.arrays import Array
 from validation.errors import UsageError
 from validation.execution.measurement import Call
-from validation.measurements.common import persson_area
 from validation.measurements.control_variates import unsolved_pairs
 from validation.measurements.ensemble import Chained
 from validation.measurements.limits import ABSENT, Measured
@@ -43,8 +43,9 @@ def at_loads(
 
     A over Persson's is interpolated in ln p*; a little beyond the first and the last it is extrapolated.
     """
-    ratio = areas / persson_area(loads)
-    return np.asarray(persson_area(targets) * interpolator(np.log(loads), ratio)(np.log(targets)))
+    theory = partial(elastic.contact_area, stress_variance=0.25)  # of Persson; V is (E* h'_rms)^2 / 4
+    ratio = areas / theory(loads)
+    return np.asarray(theory(targets) * interpolator(np.log(loads), ratio)(np.log(targets)))
 
 
 #: Order in which grids came to the table, which numbers its pairs and so keeps its solves.

@@ -105,36 +105,25 @@ class Waves:
         return np.asarray(gap[np.searchsorted(dense, load)])
 
 
-def ensemble_stress_variance(spectrum: Spectrum | None, rms_gradients: ArrayLike) -> NDArray[np.float64]:
-    r"""Variances of the full-contact stress that C(q) alone lets one expect, over E*^2, by realised h'_rms (n,).
-
-    .. math:: V_k = \frac{m_2[C]}{4} \frac{h'^2_k}{\langle h'^2 \rangle}
-
-    Their scatter is that of the realised gradients. NaN where there is no C(q) but that of a measured period.
-    """
-    squares = np.square(np.asarray(rms_gradients, dtype=float))
-    if spectrum is None:
-        return np.full(squares.shape, np.nan)
-    variance = elastic.stress_variance(spectrum.m2(), contact_modulus=1.0)
-    return np.asarray(variance * squares / squares.mean())
-
-
 def ensemble_area(
     spectrum: Spectrum | None, reduced_pressures: ArrayLike, *, rms_gradients: ArrayLike
 ) -> NDArray[np.float64]:
     r"""A/A0 of the theory from C(q) alone, for each surface and load, of shape (n, loads).
 
     .. math:: A_k/A_0 = \bigl\langle \operatorname{erf}(p_k / \sqrt{2 V_j}) \bigr\rangle_j,
-              \qquad p_k = p^* E^* h'_k
+              \qquad p_k = p^* E^* h'_k, \qquad V_j = \frac{m_2[C]}{4} \frac{h'^2_j}{\langle h'^2 \rangle}
 
     The surfaces are pressed with p* times their own realised gradient (n,), so that p_k differ; a generator
-    whose surfaces are rougher than C(q) says shows here, while the theory with their gradient hides it.
+    whose surfaces are rougher than C(q) says shows here, while the theory with their gradient hides it. NaN where
+    there is no C(q) but that of a measured period.
     """
     gradients = np.asarray(rms_gradients, dtype=float)
     pressure = np.multiply.outer(gradients, np.asarray(reduced_pressures, dtype=float))
-    variance = ensemble_stress_variance(spectrum, gradients)
     if spectrum is None:
         return np.full(pressure.shape, np.nan)
+    squares = np.square(gradients)
+    variance = elastic.stress_variance(spectrum.m2(), contact_modulus=1.0)
+    variance = variance * squares / squares.mean()
     return np.asarray(
         elastic.contact_area(pressure[..., None], stress_variance=variance).mean(axis=-1), dtype=float
     )

@@ -258,7 +258,7 @@ class Contact:
             "A/A0": f"{self.area} ({self.data.area_basis.item()}; counted {significant(self.areas().pixel)})",
         }
         if theory is not None:
-            facts["A/A0, Persson"] = significant(theory.area) if theory.answers else theory.note
+            facts["A/A0, Persson"] = significant(theory.area) if math.isfinite(theory.area) else theory.note
         measured = self.problem.measured
         doubts = {} if measured is None or not measured.doubts else {"doubts": "; ".join(measured.doubts)}
         return {**facts, "residual": f"{self.result.residuals.worst:.1e}", **doubts}

@@ -10,11 +10,15 @@ named in the row.
 
 from __future__ import annotations
 
+import inspect
 import tomllib
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from importlib import resources
 from typing import Any, NamedTuple
+
+#: What `Stated` holds, as columns.
+STATED = ("stated", "stated_low", "stated_high", "stated_basis")
 
 
 class Stated(NamedTuple):
@@ -86,44 +90,29 @@ def written() -> dict[str, dict[str, Any]]:
 def application(
     name: str,
     *,
-    fixed: Mapping[str, Callable[[], float]],
-    under: Mapping[str, Callable[[Any], float]] | None = None,
+    values: Mapping[str, Callable[..., float]],
     more: Mapping[str, Mapping[str, Any]] | None = None,
     **conventions: Mapping[str, Any],
 ) -> Application:
     """Join the claims of a system with how they are computed, by their keys in claims.toml.
 
-    `fixed` take nothing, those `under` a convention take it; `more` are fields of `Claim` that are computed.
+    Those of the `values` that depend on a convention take it; `more` are fields of `Claim` that are computed.
     """
-    rows, values = written()[name], dict[str, Callable[..., float]]({**fixed, **(under or {})})
+    rows, claims = written()[name], []
     if values.keys() != rows.keys():
         raise ValueError(f"{name}: {', '.join(values.keys() ^ rows.keys())}: written or computed alone")
-    claims = []
     for key, row in rows.items():
         computed = dict((more or {}).get(key, {}))
         stated = computed.pop("stated", None) or _stated(row)
-        claims.append(Claim(stated=stated, value=values[key], fixed=key in fixed, **row, **computed))
+        fixed = not inspect.signature(values[key]).parameters
+        claims.append(Claim(stated=stated, value=values[key], fixed=fixed, **row, **computed))
     return Application(name=name, claims=tuple(claims), **conventions)
 
 
-@dataclass(frozen=True, kw_only=True)
-class ClaimRow:
-    """A claim and what became of it."""
-
-    claim: str  # What is claimed, of which system, and where
-    application: str
-    section: str
-    stated: Stated
-    computed: float  # Under the joint convention of the application, and under the literal one
-    literal: float
-    convention: str  # The joint convention; "as stated" where none enters
-    verdict: str  # Whether it holds, why not or what was chosen, and what else there is to say
-    reason: str
-    note: str
-
-
-def judge(application: Application, *, tell: Callable[[str], None] | None = None) -> tuple[ClaimRow, ...]:
+def judge(application: Application, *, tell: Callable[[str], None] | None = None) -> list[dict[str, Any]]:
     """Judge all claims of an application under one joint convention: the one under which most of them agree.
+
+    Returns rows of the dataset, by the names of its columns.
 
     Where several conventions serve equally well the first of them is taken, so that the literal one wins
     a tie.
@@ -138,7 +127,8 @@ def judge(application: Application, *, tell: Callable[[str], None] | None = None
             values.append([float(claim.value(told)) for told in conventions.values()])
     agree = [[claim.agrees(value) for value in known] for claim, known in zip(claims, values, strict=True)]
     scores = [sum(column) for column in zip(*agree, strict=True)]
-    best, rows = scores.index(max(scores)), []
+    best = scores.index(max(scores))
+    rows: list[dict[str, Any]] = []
     for claim, known in zip(claims, values, strict=True):
         inferred = best > 0 and not claim.fixed
         verdict, reason = "reproduced", claim.choice
@@ -151,17 +141,17 @@ def judge(application: Application, *, tell: Callable[[str], None] | None = None
         agreement = ", which agrees, too" if claim.agrees(known[0]) else ""
         literally = f"literally {known[0]:.4g}{agreement}" if inferred else ""
         note = claim.note() if callable(claim.note) else claim.note
-        row = ClaimRow(
-            claim=claim.text,
-            application=application.name,
-            section=claim.section,
-            stated=claim.stated,
-            computed=known[best],
-            literal=known[0],
-            convention=("" if claim.fixed else [*conventions][best]) or "as stated",
-            verdict=verdict,
-            reason=reason,
-            note="; ".join(filter(None, (literally, note))),
+        rows.append(
+            {
+                "claim": f"{application.name}: {claim.text}",
+                "paper_section": claim.section,
+                "paper_convention": ("" if claim.fixed else [*conventions][best]) or "as stated",
+                "paper_verdict": verdict,
+                "paper_reason": reason,
+                "paper_note": "; ".join(filter(None, (literally, note))),
+                "computed": known[best],
+                "literal": known[0],
+                **dict(zip(STATED, claim.stated, strict=True)),
+            }
         )
-        rows.append(row)
-    return tuple(rows)
+    return rows

@@ -61,16 +61,9 @@ class PaperFigure:
 FIGURES: list[PaperFigure] = []
 
 
-def _figure(
-    name: str, title: str, *panels: tuple[str, str, str]
-) -> Callable[[Callable[[], Curves]], PaperFigure]:
+def _figure(name: str, title: str, *panels: tuple[str, str, str]) -> Callable[[Callable[[], Curves]], None]:
     """Add a `PaperFigure` of the function below, which returns its curves."""
-
-    def add(curves: Callable[[], Curves]) -> PaperFigure:
-        FIGURES.append(PaperFigure(name=name, title=title, panels=panels, curves=curves))
-        return FIGURES[-1]
-
-    return add
+    return lambda curves: FIGURES.append(PaperFigure(name=name, title=title, panels=panels, curves=curves))
 
 
 def _spectrum(spectrum: Spectrum, q: Array | None = None) -> Mapping[str, Array]:

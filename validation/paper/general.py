@@ -85,7 +85,7 @@ def _edge_slope() -> float:
 
 GENERAL = application(
     "theories, spheres, grids",
-    fixed={
+    values={
         "archard": lambda: (
             archard_hierarchy(
                 1.0, radii=[1e-2, 1e-4, 1e-6, 1e-8], densities=[1e9, 1e13, 1e17], contact_modulus=1e9
@@ -150,7 +150,7 @@ def _pressure(load: float) -> float:
 
 STEEL = application(
     "polished steel and roads",
-    fixed={
+    values={
         "roads": lambda: 2 * math.pi / 1000 * 100,
         "magnification": lambda: macroasperity_magnification(
             s.steel(smooth=True), pressure=s.STEEL_PRESSURE, **_STEEL

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
 from validation.execution.results import Result
-from validation.paper.claims import ClaimRow, written
+from validation.paper.claims import STATED, written
 from validation.paper.figures import FIGURES
 from validation.report.findings import finding
 from validation.report.page import Page, page_of
@@ -24,22 +24,18 @@ _COUNTED = {
     "claims_chosen": "reproduced with a choice",
     "claims_missed": "not reproduced",
 }
-_STATED = ("stated", "stated_low", "stated_high", "stated_basis")
-_WORDS = ("section", "convention", "verdict", "reason", "note")
 
 
-def paper_dataset(rows: Sequence[ClaimRow], figures: Iterable[xr.Dataset]) -> xr.Dataset:
+def paper_dataset(rows: Sequence[Mapping[str, Any]], figures: Iterable[xr.Dataset]) -> xr.Dataset:
     """Return claims along `claim`, and the curves of figures."""
-    columns: dict[str, Iterable[Any]] = {f"paper_{n}": [getattr(row, n) for row in rows] for n in _WORDS}
-    columns |= {name: [getattr(row, name) for row in rows] for name in ("computed", "literal")}
-    columns |= zip(_STATED, zip(*(row.stated for row in rows), strict=True), strict=True)
+    verdicts = [row["paper_verdict"] for row in rows]
     data = xr.Dataset(
         {
-            **{name: ("claim", list(column)) for name, column in columns.items()},
+            **{name: ("claim", [row[name] for row in rows]) for name in rows[0] if name != "claim"},
             "claims_judged": float(len(rows)),
-            **{name: float(sum(row.verdict == words for row in rows)) for name, words in _COUNTED.items()},
+            **{name: float(verdicts.count(words)) for name, words in _COUNTED.items()},
         },
-        coords={"claim": [f"{row.application}: {row.claim}" for row in rows]},
+        coords={"claim": [row["claim"] for row in rows]},
     )
     for figure in figures:
         data = data.merge(figure)
@@ -58,7 +54,7 @@ def _views(data: xr.Dataset) -> Views:
         table=Table(
             ("claim",),
             (
-                *("claim", "stated", "computed", "paper_verdict", "literal", *_STATED[1:]),
+                *("claim", "stated", "computed", "paper_verdict", "literal", *STATED[1:]),
                 *("paper_section", "paper_convention", "paper_reason", "paper_note"),
             ),
             title="Every claim with a number",

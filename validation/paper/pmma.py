@@ -48,7 +48,7 @@ PMMA = application(
         "printed parameters": None,
         "C(q) scaled to the 0.6 nm of the caption (C x 1.74)": 0.6,
     },
-    fixed={
+    values={
         "work": lambda: 2 * math.sqrt(0.04 * 0.02),
         "detachment": lambda: (
             1e-9
@@ -66,8 +66,6 @@ PMMA = application(
         ),
         "barrier": lambda: float(slip_energy(50e6, slip=3e-10)) / _MEV,
         "adhesional": lambda: float(adhesional_pressure(_MEV, lift=1e-12)) / 1e9,
-    },
-    under={
         "rms": lambda rms: rough_pmma(rms).moments().rms_height * 1e9,
         "rms_caption": lambda rms: rough_pmma(rms).moments().rms_height * 1e9,
         "amplitude": lambda rms: 10 * rough_pmma(rms).moments().rms_height * 1e9,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cache
 
 import numpy as np
 
@@ -62,20 +62,17 @@ class Pyrex:
         """C(q)."""
         return s.pyrex().scaled(self.multiple)
 
-    @cached_property
-    def squeezed(self) -> RoughnessBarrier:
-        """Adhesion before and after squeezing with 20 MPa."""
-        return self.squeezed_with(s.PYREX_PRESSURE)
 
-    def squeezed_with(self, pressure: float) -> RoughnessBarrier:
-        """Adhesion before and after squeezing with a pressure [Pa]."""
-        return roughness_barrier(
-            self.spectrum,
-            contact_modulus=self.modulus,
-            pressure=pressure,
-            yield_stress=s.PYREX_HARDNESS,
-            interface=self.interface,
-        )
+@cache
+def _squeezed(pyrex: Pyrex, pressure: float = s.PYREX_PRESSURE) -> RoughnessBarrier:
+    """Adhesion before and after squeezing with a pressure [Pa]."""
+    return roughness_barrier(
+        pyrex.spectrum,
+        contact_modulus=pyrex.modulus,
+        pressure=pressure,
+        yield_stress=s.PYREX_HARDNESS,
+        interface=pyrex.interface,
+    )
 
 
 #: The literal reading, then what a second surface, the other moduli and energies make of it.
@@ -104,7 +101,7 @@ def _half_yielded(pyrex: Pyrex) -> float:
 
 def smoothed_pyrex() -> Tabulated:
     """Pyrex, two equal surfaces, after squeezing with 20 MPa (Sec. 10.2)."""
-    return Pyrex(multiple=4.0, energy="old").squeezed.spectrum
+    return _squeezed(Pyrex(multiple=4.0, energy="old")).spectrum
 
 
 def _rms(q_min: float) -> float:
@@ -119,7 +116,7 @@ def _pair(pyrex: Pyrex) -> dict[str, float]:
 def _after(pyrex: Pyrex, force: float) -> float:
     """gamma_eff(1) over Delta gamma after squeezing with a force [N]."""
     pressure = float(hertz_pressure(force, **_pair(pyrex)))
-    return pyrex.squeezed_with(pressure).after.macroscopic_work / pyrex.work
+    return _squeezed(pyrex, pressure).after.macroscopic_work / pyrex.work
 
 
 def _line() -> str:
@@ -137,19 +134,17 @@ def _line() -> str:
 PYREX = application(
     "Pyrex",
     conventions={one.name: one for one in _SETS},
-    fixed={
+    values={
         "rms": lambda: _rms(1e6),
         "amplitude": lambda: 10 * _rms(1e6),
         "young_ratio": lambda: 64e9 / 2.9e9,
         "range": lambda: 2.0 / 0.15,
-    },
-    under={
         "critical": _critical,
         "half_yielded": _half_yielded,
         "yielded_region": lambda pyrex: (2 * math.pi / (_half_yielded(pyrex) * 1e-3)) ** 2,
-        "work_after": lambda pyrex: pyrex.squeezed.after.macroscopic_work / pyrex.work,
+        "work_after": lambda pyrex: _squeezed(pyrex).after.macroscopic_work / pyrex.work,
         "threshold": lambda pyrex: _after(pyrex, 1e-8),
-        "area_after": lambda pyrex: pyrex.squeezed.after.real_area,
+        "area_after": lambda pyrex: _squeezed(pyrex).after.real_area,
         "nominal_pressure": lambda pyrex: float(hertz_pressure(_FORCE, **_pair(pyrex))) / 1e6,
         "pull_off": lambda pyrex: float(yielded_share(_FORCE, hardness=s.PYREX_HARDNESS, **_pair(pyrex))),
     },

@@ -1,4 +1,4 @@
-"""The areas of the reference table by the Nayak parameter: a closed form, and whether H matters beside it."""
+"""The areas of the reference table by the Nayak parameter, and whether H matters beside it."""
 
 from __future__ import annotations
 
@@ -6,53 +6,17 @@ from collections.abc import Sequence
 
 import numpy as np
 import scipy.optimize
-import scipy.special
 import xarray as xr
-from numpy.typing import ArrayLike
 
-from validation.arrays import Array
 from validation.errors import UsageError
 from validation.reference.interpolation import interpolated
 from validation.reference.theory import lowest_wave, table_spectrum
-
-#: c_0, c_1, p_1 and n of `fitted_area`: least squares of the relative distance from the table.
-FIT = (0.5606, 0.05449, 0.1893, 1.0067)
 
 
 def nayak(*, hurst: float, bandwidth: float, lowest: float = 1.0) -> float:
     """Nayak parameter alpha of a self-affine C(q) whose plateau goes from `lowest` to q_long = 1."""
     moments = table_spectrum(hurst=hurst, bandwidth=bandwidth, lowest=lowest).moments()
     return 1.5 * moments.m0 * moments.m4 / moments.m2**2
-
-
-def fitted_area(
-    reduced_pressure: ArrayLike, *, alpha: ArrayLike, constants: tuple[float, ...] = FIT
-) -> Array:
-    r"""A/A0 at p* for a Nayak parameter alpha, in a closed form.
-
-    .. math:: A/A_0 = \operatorname{erf}(\sqrt2 \, g \, p^*), \qquad
-              g = 1 + \frac{c_0 - c_1 \ln \alpha}{1 + (p^*/p_1)^n}
-
-    g = 1 is Persson's theory. docs/reference_table.md has the largest error over the table.
-
-    Parameters
-    ----------
-    reduced_pressure : float or array
-        p* = p0 / (E* h'_rms).
-    alpha : float or array
-        Of C(q); it is to be one of the table's, 2.4 to 20 or so.
-    constants : tuple of float
-        c_0, c_1, p_1, n.
-
-    Examples
-    --------
-    >>> round(float(fitted_area(0.05, alpha=nayak(hurst=0.8, bandwidth=8))), 3)
-    0.109
-    """
-    load = np.asarray(reduced_pressure, dtype=float)
-    light, slope, middle, power = constants
-    excess = (light - slope * np.log(alpha)) / (1 + (load / middle) ** power)
-    return np.asarray(scipy.special.erf(np.sqrt(2) * load * (1 + excess)))
 
 
 def bandwidth_at(*, hurst: float, alpha: float, lowest: float = 1.0) -> float:

@@ -5,10 +5,8 @@ from __future__ import annotations
 import base64
 import hashlib
 import json
-import platform
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from importlib import metadata
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +14,7 @@ import xarray as xr
 
 from validation.errors import harmless
 from validation.files import atomic_path, digest_of, remove_drafts, write_json, write_record
+from validation.registry import versions
 from validation.report.marks import Drawing, draw, write_drawing
 from validation.report.papers import cited
 from validation.report.table import (
@@ -63,12 +62,6 @@ class Picture:
     name: str
     png: bytes
     caption: str
-
-
-def versions() -> dict[str, str]:
-    """Versions of everything that shapes a result."""
-    names = ("fem-contact", "numpy", "scipy", "numba", "scikit-fem")
-    return {"Python": platform.python_version(), **{name: metadata.version(name) for name in names}}
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -172,7 +165,8 @@ def clear_page(folder: Path, *, keep: Collection[Path] = ()) -> None:
     images and numbers in the folder of figures.
     """
     figures = folder / "figures"
-    tables = "table claims areas magnification numbers methods below surfaces settings budget data data-*"
+    tables = "table claims areas magnification numbers methods below surfaces first-surface treatment"
+    tables += " settings budget data data-*"
     names = ["report.html", "summary.json", "shown.json", *(f"{name}.csv" for name in tables.split())]
     earlier = [path for name in names for path in folder.glob(name)]
     if figures.is_dir() and not figures.is_symlink():

@@ -142,18 +142,14 @@ def written_unit(variable: xr.DataArray | xr.Variable) -> tuple[float, str] | No
     return (1 / float(attrs["written_unit"]), str(attrs["written_in"])) if "written_in" in attrs else None
 
 
-def shown_unit(variable: xr.DataArray, unit: str, largest: float) -> tuple[float, str]:
-    """Return factor and unit in which a variable is shown: as its scene was written, else with a prefix."""
-    return written_unit(variable) or prefixed_unit(unit, largest)
-
-
 def in_shown_unit(number: xr.DataArray, unit: str = "") -> str:
     """Return one number of a dataset with four digits, in the unit in which it is shown.
 
     Its SI unit is that of the registry, unless it is given.
     """
     value = float(number)
-    factor, unit = shown_unit(number, unit or quantity(str(number.name)).unit, abs(value))
+    unit = unit or quantity(str(number.name)).unit
+    factor, unit = written_unit(number) or prefixed_unit(unit, abs(value))
     return four_digits(value * factor) + ("" if unit == "1" else f" {unit}")
 
 

@@ -20,10 +20,9 @@ from validation.report.quantities import (
     prefixed_unit,
     quantity,
     quantity_of,
-    shown_unit,
     written_unit,
 )
-from validation.report.values import Value, combined, known, value_of
+from validation.report.values import Value, known, value_of
 from validation.report.words import with_error
 
 #: How variables of single surfaces end.
@@ -128,7 +127,7 @@ class Listing:
             if not known(value.value):
                 continue
             size = abs(value.value) if isinstance(value.value, float) else 0.0
-            factor, unit = shown_unit(data[name], what.unit, size)
+            factor, unit = written_unit(data[name]) or prefixed_unit(what.unit, size)
             scaled = value.value if isinstance(value.value, str) else factor * value.value
             error = math.nan if value.error is None else factor * value.error
             cells = value_cells("value", replace(value, value=scaled, error=error))
@@ -179,8 +178,8 @@ def budget_table(data: xr.Dataset, names: Sequence[str]) -> ResultTable:
             row: Row = {
                 "number": ", ".join([quantity(name).title, *filter(None, places)]),
                 "value": value,
-                "for this spectrum and period [%]": combined(*entering),
-                "for any [%]": combined(*shares.values()),
+                "for this spectrum and period [%]": math.hypot(*entering),
+                "for any [%]": math.hypot(*shares.values()),
             }
             for source, share in shares.items():
                 measured = _UNMEASURED if math.isnan(share) else share
@@ -188,7 +187,7 @@ def budget_table(data: xr.Dataset, names: Sequence[str]) -> ResultTable:
             if "treatment_spread" in data and name in ("area", "area_own"):
                 row[TREATMENT] = spread = 100 * float(here["treatment_spread"])
                 known_shares = (share for share in entering if not math.isnan(share))
-                row["with treatment [%]"] = combined(spread, *known_shares)
+                row["with treatment [%]"] = math.hypot(spread, *known_shares)
             rows.append(row)
     return ResultTable.of_rows(rows)
 
@@ -212,11 +211,6 @@ class ResultTable:
     units: Mapping[str, tuple[float, str]] = field(default_factory=dict)
 
     @classmethod
-    def of(cls, columns: Sequence[str], rows: Sequence[Sequence[float | str]]) -> ResultTable:
-        """Build a table from sequences."""
-        return cls(columns=tuple(columns), rows=tuple(tuple(row) for row in rows))
-
-    @classmethod
     def of_rows(cls, rows: Iterable[Row]) -> ResultTable:
         """Build a table from rows by title: the first has every column, what others leave out is NaN.
 
@@ -226,7 +220,7 @@ class ResultTable:
         rows = list(rows)
         titles = tuple(dict.fromkeys(title for row in rows for title in row))
         titles = tuple(t for t in titles if not t.endswith(SOURCES_OF) or any(row.get(t) for row in rows))
-        return cls.of(titles, [[row.get(title, math.nan) for title in titles] for row in rows])
+        return cls(columns=titles, rows=tuple(tuple(row.get(t, math.nan) for t in titles) for row in rows))
 
     def _repr_html_(self) -> str:
         import pandas

@@ -119,15 +119,6 @@ def known(value: float | str) -> bool:
     return bool(value) if isinstance(value, str) else not math.isnan(value)
 
 
-def combined(*errors: float) -> float:
-    """Root sum of squares of independent errors.
-
-    >>> combined(3.0, 4.0)
-    5.0
-    """
-    return float(np.sqrt(np.sum(np.square(errors))))
-
-
 def with_places(data: xr.Dataset) -> xr.Dataset:
     """Return a dataset that knows of each number where it stands, however it is sliced.
 

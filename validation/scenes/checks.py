@@ -9,7 +9,6 @@ from validation.scenes.problem import ContactProblem
 from validation.scenes.scene import Scene
 from validation.scenes.tables import Load
 from validation.solvers import methods
-from validation.solvers.base import check_effects_handled
 
 
 def check_scene(scene: Scene, problem: ContactProblem) -> None:
@@ -20,7 +19,13 @@ def check_scene(scene: Scene, problem: ContactProblem) -> None:
     for k in range(1 + len(getattr(scene.surface, "more_paths", ()))):
         _ = problem.further(k).field  # a surface that cannot be made is refused here, by name
     asked = scene.methods.chosen
-    check_effects_handled(asked, scene.effects, methods())
+    for k, effect in enumerate(scene.effects):
+        able = sorted(name for name, method in methods().items() if method.handles(type(effect)))
+        if unable := [name for name in asked if name not in able]:
+            raise UsageError(
+                f"{effect_key(k, 'kind')} = {effect.kind!r}: method {unable[0]!r} does not handle it; "
+                f"handled by: {', '.join(able) or 'none'}"
+            )
     for name, method in asked.items():
         missing = method.available()
         if missing is not None:

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping
-from typing import Any
+from typing import Any, get_args
 
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
 from validation.effects import effect_kinds
-from validation.scenes.tables import QUANTITIES, SURFACES, Ensemble, Load, RunOptions, SolidSpec, Title
+from validation.scenes.tables import SURFACES, Ensemble, Load, Quantities, RunOptions, SolidSpec, Title
 from validation.solvers import methods
 from validation.units import choices_of, example_of, unit_of
 
@@ -31,8 +31,8 @@ def tables(kind: object = None) -> Iterator[tuple[str, str, type[BaseModel]]]:
     yield "ensemble", "`[ensemble]`", Ensemble
     for name, effect in effect_kinds().items():
         yield f"effects.{name}", f'`[[effects]]`, `kind = "{name}"`', effect
-    for name, quantity in QUANTITIES.items():
-        yield f"quantities.{name}", f"`[quantities.{name}]`", quantity
+    for name, info in Quantities.model_fields.items():
+        yield f"quantities.{name}", f"`[quantities.{name}]`", get_args(info.annotation)[0]
     yield "run", "`[run]`", RunOptions
 
 

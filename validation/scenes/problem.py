@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, fields, replace
 from functools import cached_property, partial
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import Any, Protocol
 
 from fem_contact.solid import Solid
 from fem_contact.surface import HeightField, RandomWaves, resolves
@@ -15,9 +15,6 @@ from validation.report.quantities import as_length
 from validation.scenes import surfaces
 from validation.scenes.tables import FileSurface, Load, SolidSpec, SpectrumSurface, Surface
 from validation.scenes.topography.measured import Measured
-
-if TYPE_CHECKING:
-    from validation.scenes.topography.patch import Topography
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -63,11 +60,6 @@ class ContactProblem:
         if not isinstance(self.surface, FileSurface):
             return None
         return Measured.read(self.surface, self.realisation)
-
-    @property
-    def topography(self) -> Topography | None:
-        """The measured surface, levelled, filled and made periodic; None for a random one."""
-        return None if self.measured is None else self.measured.period
 
     @cached_property
     def field(self) -> HeightField:
@@ -222,7 +214,7 @@ class ContactProblem:
         """Everything that determines surface, solid and load, as JSON-ready data."""
         surface = self.surface.model_dump(mode="json")
         if self.measured is not None:
-            surface |= {"path": self.measured.digest, "tilt": surface["tilt"] or "keep"}
+            surface |= {"path": self.measured.raw.digest, "tilt": surface["tilt"] or "keep"}
             if surface["edges"] != "free":  # solves of before counted from the zero of the file
                 surface["heights"] = "over the mean plane"
             if surface["spikes"] == "clip":  # solves of before knew only what is far from all heights

@@ -51,11 +51,6 @@ class SweptKey:
     meaning: str
     values: tuple[Value, ...]
 
-    @property
-    def numeric(self) -> bool:
-        """Whether the values of the sweep are numbers."""
-        return not any(isinstance(value, str) for value in self.values)
-
 
 @dataclass(frozen=True, kw_only=True)
 class Sweep:

@@ -401,15 +401,6 @@ class Subsurface(Table):
         return self
 
 
-#: The tables there are, by name.
-QUANTITIES: dict[str, type[Table]] = {
-    "electrical": Electrical,
-    "thermal": Thermal,
-    "leak": Leak,
-    "subsurface": Subsurface,
-}
-
-
 class Quantities(Table):
     """What is asked for beyond the area; a table that is not there costs nothing."""
 
@@ -418,15 +409,10 @@ class Quantities(Table):
     leak: Leak | None = None
     subsurface: Subsurface | None = None
 
-    @property
-    def passing(self) -> bool:
-        """Whether something shall pass through contact or gap."""
-        return any(table is not None for table in (self.electrical, self.thermal, self.leak))
-
     @model_validator(mode="after")
     def _something(self) -> Self:
-        if not any(getattr(self, name) is not None for name in QUANTITIES):
-            tables = ", ".join(f"[quantities.{name}]" for name in QUANTITIES)
+        if not any(getattr(self, name) is not None for name in type(self).model_fields):
+            tables = ", ".join(f"[quantities.{name}]" for name in type(self).model_fields)
             raise wrong(f"give at least one of the tables {tables}")
         return self
 

@@ -261,23 +261,6 @@ class Solver(Method):
         return ""
 
 
-def check_effects_handled(
-    requested: Mapping[str, Method], effects: Sequence[Effect], known: Mapping[str, Method]
-) -> None:
-    """Refuse an effect that a wanted method cannot be given.
-
-    A UsageError naming the key, the method, and the methods that handle it.
-    """
-    for k, effect in enumerate(effects):
-        able = sorted(name for name, method in known.items() if method.handles(type(effect)))
-        for name in requested:
-            if name not in able:
-                raise UsageError(
-                    f"{effect_key(k, 'kind')} = {effect.kind!r}: method {name!r} does not handle it; "
-                    f"handled by: {', '.join(able) or 'none'}"
-                )
-
-
 def example_field(points: int) -> HeightField:
     """Return waves of gradient 0.1 on which the examples of effects matter."""
     x = np.arange(points) / points

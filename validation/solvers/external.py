@@ -22,7 +22,6 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 
 from fem_contact import contact
-from fem_contact.area import EDGE_CONSTANTS
 from fem_contact.contact import ContactResult, Status, measure_residuals
 from fem_contact.errors import NotConverged
 from fem_contact.response import BondedLayer, Response
@@ -169,10 +168,6 @@ class ExternalSolver(Solver):
         """Solve a small contact, so that the process has imported and compiled what it needs."""
         with contextlib.suppress(NotConverged):
             self.claim(example_job(16, **settings))
-
-    def edge_constant(self, result: ContactResult) -> float:
-        """Return that of boundary elements: the residuals say that it is the same discrete problem."""
-        return EDGE_CONSTANTS["bem"]
 
 
 def verified(

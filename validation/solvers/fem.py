@@ -114,20 +114,14 @@ class Fem(BlockSolver):
 
     def cost(self, size: Size) -> Cost:
         """Predict from the unknowns of the mesh."""
-        unknowns = unknowns_of(size, self.variant(size.settings))
-        if self.variant(size.settings) == "full":
+        method = self.variant(size.settings)
+        unknowns = unknowns_of(size, method)
+        pairs, room = _REDUCED_PAIRS * size.transforms, BYTES_PER_POINT * size.points
+        if method == "full":
             yields = any(effect.slot == "pressure bound" for effect in size.effects)
-            sets = _YIELDING_SETS if yields else 1.0
-            return Cost(
-                pairs=FIXED_PAIRS + _FULL_PAIRS_PER_UNKNOWN * sets * unknowns,
-                peak_bytes=FIXED_BYTES + _FULL_BYTES_PER_UNKNOWN * unknowns,
-                unknowns=unknowns,
-            )
-        return Cost(
-            pairs=FIXED_PAIRS + _REDUCED_PAIRS * size.transforms,
-            peak_bytes=FIXED_BYTES + BYTES_PER_POINT * size.points,
-            unknowns=unknowns,
-        )
+            pairs = _FULL_PAIRS_PER_UNKNOWN * (_YIELDING_SETS if yields else 1.0) * unknowns
+            room = _FULL_BYTES_PER_UNKNOWN * unknowns
+        return Cost(pairs=FIXED_PAIRS + pairs, peak_bytes=FIXED_BYTES + room, unknowns=unknowns)
 
     def solve(self, job: Job) -> Solved:
         """Press the block with a load, or to an offset."""

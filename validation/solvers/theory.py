@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
@@ -14,7 +14,6 @@ from persson.errors import PerssonError
 from validation.arrays import Array
 from validation.effects.base import Effect, TheoryInputs, effect_key
 from validation.errors import UsageError
-from validation.report.words import json_ready
 from validation.solvers.base import Method
 from validation.units import Pressure, Table, key
 
@@ -79,16 +78,6 @@ class Prediction:
     other: float | None = None
     #: Which part of the theory, where not that of elastic contact without adhesion; or why `area` is NaN.
     note: str = ""
-
-    @property
-    def answers(self) -> bool:
-        """Whether the theory has an answer."""
-        return bool(np.isfinite(self.area))
-
-    def summary(self) -> dict[str, Any]:
-        """Return everything as JSON-ready data, null where there is no answer."""
-        data: dict[str, Any] = json_ready(asdict(self))
-        return data
 
 
 def predict(
@@ -204,12 +193,7 @@ def adhesive_contact(
     return solve_adhesion(
         scale,
         pressure=pressure,
-        interface=Interface(
-            work_of_adhesion=inputs.work,
-            energy=options.energy,
-            area=options.area,
-            ideal_strength=options.ideal_strength,
-        ),
+        interface=Interface(work_of_adhesion=inputs.work, **dict(options)),
         yield_stress=inputs.hardness,
     ).checked()
 

@@ -11,9 +11,10 @@ from pydantic import AfterValidator, ConfigDict, Field, ValidationError, Validat
 from pydantic.fields import FieldInfo
 
 from validation.errors import UsageError, did_you_mean
-from validation.measurements.common import base_surface, truncated_surface
+from validation.measurements.common import base_surface
 from validation.scenes.mistakes import problems
 from validation.scenes.scene import Scene
+from validation.scenes.surfaces import spectrum_of
 from validation.scenes.tables import SelfAffineSurface
 from validation.solvers import chosen_solver
 from validation.units import Positive, Table, unit_of, wrong
@@ -142,13 +143,17 @@ class StudyOptions(Table):
     ) -> SelfAffineSurface:
         """Return a surface of these options, or of others in their place, with its waves up to q/q_long = until.
 
+        The waves that remain are unchanged by those that are left out.
         What may be given in place of options is that of `base_surface`.
         """
         spectrum = self.model_dump(include={"hurst", "periods", "bandwidth", "seed"})
         spectrum |= changes | {"seed": spectrum["seed"] + number}
-        return (
-            base_surface(**spectrum) if until is None else truncated_surface(until, gradient=0.1, **spectrum)
-        )
+        whole = base_surface(**spectrum)
+        if until is None or until == spectrum["bandwidth"]:
+            return whole
+        shape = spectrum_of(whole)
+        left = whole.rms_gradient * float(shape.m2(until * shape.q_long) / shape.m2()) ** 0.5
+        return base_surface(**spectrum | {"bandwidth": until, "gradient": left})
 
     def without(self, failures: Iterable[Any]) -> typing.Self | None:
         """Return the same without the methods that solved failures are of; None where not all are of such."""
@@ -193,6 +198,13 @@ class StudyOptions(Table):
                 kind = _kind_words(field) + ("" if unit == "1" else f" in {unit}, or with a unit")
                 yield f"    {flag} {kind} ({about})"
             yield f"        {field.description}{cls.fixed_by_scene().get(flag[2:].replace('-', '_'), '')}"
+
+
+class SurfaceOptions(StudyOptions):
+    """Options of a study that makes self-affine surfaces of one H."""
+
+    hurst: Hurst = 0.8
+    seed: Seed = 2006
 
 
 def _pairs(arguments: Sequence[str], flags: Mapping[str, FieldInfo]) -> Iterator[tuple[str, str]]:

@@ -7,11 +7,11 @@ from typing import Self
 from pydantic import Field, model_validator
 
 from fem_contact.viscoelastic import PronySolid
-from validation.studies._options import Bandwidth, Hurst, Periods, Seed, StudyOptions, Surfaces
+from validation.studies._options import Bandwidth, Periods, SurfaceOptions, Surfaces
 from validation.units import Duration, Positive, Pressure, wrong
 
 
-class RubberOptions(StudyOptions):
+class RubberOptions(SurfaceOptions):
     """Which solid, and what is pressed on it."""
 
     why_no_scene = "its solid is viscoelastic, which no scene can say, and it makes its own surfaces"
@@ -30,11 +30,9 @@ class RubberOptions(StudyOptions):
     """Poisson ratio"""
     reduced_pressure: Positive = 0.1
     """p* = p0 / (E_0* h'_rms), with the relaxed modulus and the realised gradient"""
-    hurst: Hurst = 0.8
     periods: Periods = 2.0
     bandwidth: Bandwidth = 8.0
     surfaces: Surfaces = 6
-    seed: Seed = 2006
 
     @model_validator(mode="after")
     def _one_solid(self) -> Self:

@@ -20,7 +20,7 @@ from validation.scenes.scene import EffectSpec, Scene, load_scene
 from validation.scenes.tables import FileSurface, Load
 from validation.solvers import chosen_solver, find_solver
 from validation.solvers.base import Settings
-from validation.studies._options import Bandwidth, Hurst, Periods, Seed, StudyOptions, Surfaces
+from validation.studies._options import Bandwidth, Periods, SurfaceOptions, Surfaces
 from validation.units import wrong
 
 
@@ -34,7 +34,7 @@ class SolverRequest:
     grids: tuple[Grid, ...]
 
 
-class PressedOptions(StudyOptions):
+class PressedOptions(SurfaceOptions):
     """Options of a study that presses the surfaces of one spectrum: its own, or those of a scene."""
 
     # Options of parts that make surfaces of their own: on a scene none, or False.
@@ -44,11 +44,9 @@ class PressedOptions(StudyOptions):
     plain: ClassVar[str] = "it compares with the elastic half-space"
 
     scene: Scene | None = Field(default=None, description="surface, solid, load, effects and grids")
-    hurst: Hurst = 0.8
     periods: Periods = 4.0
     bandwidth: Bandwidth = 8.0
     surfaces: Surfaces = 8
-    seed: Seed = 2006
 
     @model_validator(mode="before")
     @classmethod

@@ -38,7 +38,7 @@ from validation.report.views import (
     of_one_surface,
 )
 from validation.scenes.tables import SolidSpec
-from validation.studies._options import Bandwidth, Hurst, Periods, Positives, Seed, StudyOptions, above_one
+from validation.studies._options import Bandwidth, Periods, Positives, Seed, SurfaceOptions, above_one
 from validation.units import Positive, wrong
 
 #: Tire rubber (Persson 2006, Sec. 8.3).
@@ -46,7 +46,7 @@ _SOLID = SolidSpec(young=1e7, poisson=0.5)
 _LENGTH = 1e-5
 
 
-class Options(StudyOptions):
+class Options(SurfaceOptions):
     """Where the dials stand, and where each of them goes while the others stay."""
 
     why_no_scene = "it turns load, waves, work and hardness by itself"
@@ -68,7 +68,6 @@ class Options(StudyOptions):
     """how many"""
     grids: tuple[int, int] = (256, 384)
     """points along a side, two, rising; the range of the attraction is the shortest that the first resolves"""
-    hurst: Hurst = 0.8
     periods: Periods = 2.0
     bandwidth: Bandwidth = 8.0
 

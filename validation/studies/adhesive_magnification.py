@@ -35,7 +35,7 @@ from validation.report.estimates import claim, derive, gather, mean, same_of_all
 from validation.report.views import Figure, Finding, Line, Table, Views, against, finding
 from validation.scenes.problem import ContactProblem
 from validation.scenes.tables import SolidSpec
-from validation.studies._options import Hurst, Periods, Seed, StudyOptions, Surfaces
+from validation.studies._options import Periods, SurfaceOptions, Surfaces
 from validation.units import Positive
 
 _LENGTH = 1e-5
@@ -50,7 +50,7 @@ _COMPARED = ("area", "force_inside", "energy_ratio", "tension")
 _Resolving = Annotated[float, Field(ge=14.2)]
 
 
-class Options(StudyOptions):
+class Options(SurfaceOptions):
     """Where the spectrum is cut, and how strong the adhesion is."""
 
     why_no_scene = "it cuts the spectra of surfaces it makes"
@@ -63,10 +63,8 @@ class Options(StudyOptions):
     """w over the elastic energy of full contact of all waves, per area"""
     points_per_wave: Annotated[tuple[_Resolving, _Resolving], AfterValidator(in_rising_order)] = (16.0, 24.0)
     """two grids, as the last wave over dx, rising; below 14.2 the range of the attraction is not resolved"""
-    hurst: Hurst = 0.8
     periods: Periods = 2.0
     surfaces: Surfaces = 6
-    seed: Seed = 2006
 
 
 def run(options: Options, *, bench: Bench) -> xr.Dataset:

@@ -18,7 +18,7 @@ from pydantic import AfterValidator, Field, model_validator
 from validation.execution.bench import Bench
 from validation.measurements.budgets import PROFILE_EDGES
 from validation.measurements.common import Resolved, Rising, RisingSeveral, base_case
-from validation.measurements.diffusion import HALF, budgets_of, of_probe, with_diffusion_terms
+from validation.measurements.diffusion import HALF, SQUARE_TERMS, budgets_of, with_diffusion_terms
 from validation.measurements.edge import slopes_of
 from validation.measurements.limits import ABSENT
 from validation.measurements.measurement import even_points
@@ -147,17 +147,22 @@ def _probes(options: Options, bench: Bench, zeta: float) -> xr.Dataset:
     along, per_wave = ("hurst", "load", "probe_surface"), options.slope_points_per_wave
     slope = slopes_of(bench, there, *along, points_per_wave=per_wave)
     data = budgets_of(bench, cases, "hurst", "load", "surface", "grid")
-    return of_probe(data).merge(slope.drop_vars(["load", "probe_surface"]))
-
-
-_TERMS = ("square_growth", "square_diffusion", "square_drift", "square_reentry")
+    dims = {"step": "variance_step", "level": "probe_level", "grid": "probe_grid", "surface": "probe_surface"}
+    apart = {
+        n: n.replace("_each", "_probe_each") if "_each" in n else f"{n}_probe"
+        for n in map(str, data.data_vars)
+    }
+    return data.rename(dims | apart).merge(slope.drop_vars(["load", "probe_surface"]))
 
 
 def views(data: xr.Dataset) -> Views:
     """Terms of the diffusion equation, flows, restarts and memory."""
     at = {"hurst": -1, "load": nearest(data.reduced_pressure, 0.05)}
     step = nearest(data.relative_step, 0.01)
-    terms = [Line(name, at={"hurst": -1}, label="sum" if name == _TERMS[0] else None) for name in _TERMS]
+    terms = [
+        Line(name, at={"hurst": -1}, label="sum" if name == SQUARE_TERMS[0] else None)
+        for name in SQUARE_TERMS
+    ]
     plain = {"color": "black", "ls": "--", "lw": 0.8, "marker": ""}
     ratios = [
         Line("area_ratio", by="hurst"),
@@ -187,7 +192,7 @@ def views(data: xr.Dataset) -> Views:
         "fluxes": flows,
         "memory": panels_along(data, "hurst", against("age", chance, log="y")),
     }
-    columns = ("hurst", "reduced_pressure", "octave", *_TERMS, "square_told", "square_growth_path")
+    columns = ("hurst", "reduced_pressure", "octave", *SQUARE_TERMS, "square_told", "square_growth_path")
     areas = ("area_exponent", "area_exponent_pixel", "area_exponent_persson", "loss_ratio", "area_ratio_end")
     return Views(
         table=Table(("hurst", "load", "octave"), (*columns, *areas)),

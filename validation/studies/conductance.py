@@ -20,14 +20,14 @@ from validation.measurements.measurement import grids_for, press_on_grids
 from validation.measurements.theory import WITH_ENERGY
 from validation.report.estimates import claim, derive, mean, same_of_all, spread
 from validation.report.views import Figure, Finding, Level, Table, Views, against, finding
-from validation.studies._options import Bandwidth, Hurst, Seed, Shifts, StudyOptions, Surfaces
+from validation.studies._options import Bandwidth, Shifts, SurfaceOptions, Surfaces
 from validation.studies._study import gathered
 
 #: Light load, as p*: there the stiffness should go with the load.
 _LIGHT = 0.05
 
 
-class Options(StudyOptions):
+class Options(SurfaceOptions):
     """What is pressed, and how large the sample is."""
 
     why_no_scene = "it asks about spectra, and makes a surface for each"
@@ -36,13 +36,11 @@ class Options(StudyOptions):
     """p* = p0 / (E* h'_rms) with the realised gradient of each surface, rising"""
     periods: Rising = (1.0, 2.0, 4.0)
     """L / lambda_long: sizes of the sample, rising"""
-    hurst: Hurst = 0.8
     bandwidth: Bandwidth = 8.0
     surfaces: Surfaces = 8
     shifts: Shifts = SHIFTS
     points_per_wave: RisingSeveral = (4.0, 8.0)
     """grids, as lambda_short/dx; the finest gives the value, its distance to the one before the uncertainty"""
-    seed: Seed = 2006
 
 
 def design(options: Options) -> dict[tuple[float, int], Call]:

@@ -10,16 +10,22 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Annotated, Any, Self
 
+import numpy as np
 import xarray as xr
 from pydantic import Field, model_validator
 
+from fem_contact.contact import ContactResult
 from fem_contact.hardness import yielded
+from fem_contact.surface import HeightField, radial_spectrum
+from validation.arrays import Array
+from validation.effects.base import TheoryInputs
 from validation.effects.hardness import Hardness
+from validation.effects.smoothing import Smoothing
 from validation.execution.bench import Bench, Solves
 from validation.execution.press import Press
 from validation.measurements.common import BASE_SOLID, Counts, base_case
+from validation.measurements.grid_roughness import squared_gradient
 from validation.measurements.limits import ABSENT, straight_limit
-from validation.measurements.yielding import remaining_by_theory, remaining_waves
 from validation.report.estimates import claim, derive, gather, mean, spread
 from validation.report.views import (
     Column,
@@ -32,15 +38,39 @@ from validation.report.views import (
     finding,
     of_one_surface,
 )
-from validation.solvers.theory import predict
-from validation.studies._options import Bandwidth, Hurst, Periods, Positives, Seed, StudyOptions, above_one
+from validation.scenes.problem import ContactProblem
+from validation.solvers.theory import predict, smoothed_spectrum
+from validation.studies._options import Bandwidth, Periods, Positives, Seed, SurfaceOptions, above_one
 from validation.units import Positive, wrong
 
 _MODULUS = BASE_SOLID.young / (1 - BASE_SOLID.poisson**2)
 _GRADIENT, _LENGTH = 0.1, 1e-4
 
 
-class Options(StudyOptions):
+def remaining_waves(contact: ContactResult, problem: ContactProblem) -> tuple[Array, Array, float]:
+    """Return what yielding and unloading leave of a surface.
+
+    Wavevectors [1/m] (n,) of the spectrum; C(q) after, over that before (n,); <|grad h|^2> after, over that
+    before, where the surface yielded.
+    """
+    before = HeightField(heights=np.array(contact.heights), lengths=contact.lengths)
+    after = yielded(contact).surface
+    spectrum = problem.spectrum_shape
+    rings, left = radial_spectrum(before), radial_spectrum(after)
+    band = (rings.q >= spectrum.q_long) & (rings.q <= spectrum.q_short)
+    slopes = [squared_gradient(field, 1)[contact.at_bound].mean() for field in (before, after)]
+    return rings.q[band], left.power[band] / rings.power[band], float(slopes[1] / slopes[0])
+
+
+def remaining_by_theory(problem: ContactProblem, hardness: float, wavevectors: Array) -> Array:
+    """Share of C(q) that Persson's formula leaves, 1 - A_pl(q)/A_pl (2006, Sec. 10.2)."""
+    spectrum = problem.own_spectrum
+    squeezed = Smoothing(pressure=problem.pressure, hardness=hardness)
+    after = smoothed_spectrum(spectrum, TheoryInputs.by(problem.elastic, (squeezed,)))
+    return after(wavevectors) / spectrum(wavevectors)
+
+
+class Options(SurfaceOptions):
     """What is pressed, how hard it is, and how often."""
 
     why_no_scene = "it turns load and waves by itself; `area` takes a scene that yields"
@@ -58,7 +88,6 @@ class Options(StudyOptions):
     """how many"""
     grids: Annotated[Counts, Field(min_length=1)] = (64, 128, 256)
     """points along a side; the limit is that of the two finest, the one before says how sure it is"""
-    hurst: Hurst = 0.8
     periods: Periods = 4.0
     bandwidth: Bandwidth = 4.0
 

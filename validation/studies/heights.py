@@ -10,25 +10,67 @@ import math
 from collections.abc import Iterator
 from typing import Any, Self
 
+import numpy as np
 import xarray as xr
 from pydantic import Field, model_validator
+from scipy.special import ndtr
 
 from persson.heights import height_distribution
+from validation.arrays import Grid
 from validation.execution.bench import Bench
-from validation.execution.measurement import Call
+from validation.execution.measurement import Call, measurement
 from validation.measurements.common import Rising, base_case
-from validation.measurements.heights import HEIGHT_EDGES, height_statistics
+from validation.measurements.flow import located_area
 from validation.measurements.limits import ABSENT, solved, stored_variables
-from validation.measurements.measurement import grid_for
+from validation.measurements.measurement import elastic_path, grid_for
 from validation.report.estimates import claim, derive, gather, mean, spread
 from validation.report.views import Figure, Finding, Level, Line, Table, Views, against, finding
 from validation.scenes.problem import ContactProblem
 from validation.scenes.surfaces import spectrum_of
-from validation.studies._options import Bandwidth, Hurst, Seed, StudyOptions, Surfaces
+from validation.studies._options import Bandwidth, SurfaceOptions, Surfaces
 from validation.units import wrong
 
+#: Edges of the bins of h/h_rms.
+HEIGHT_EDGES = np.linspace(-4.0, 4.0, 65)
 
-class Options(StudyOptions):
+
+@measurement(
+    "heights-{size}",
+    kind="HeightStatistics",
+    words="heights",
+    located=True,
+    version=2,
+    left_out=("load",),
+    seconds=lambda points, pressures: 1e-2 + len(pressures) * (2e-3 + 8e-7 * points),
+    bytes=200,
+)
+def height_statistics(
+    *, problem: ContactProblem, grid: Grid, pressures: tuple[float, ...] = ()
+) -> xr.Dataset:
+    """Return how the heights of one surface are distributed, over the realised rms height, and its contact area.
+
+    `pressures` are rising p0 [Pa]; none for the heights alone.
+    """
+    field = problem.heights(grid)
+    areas = [located_area(solved) for solved in elastic_path(field, problem.elastic, pressures)]
+    z = np.sort(field.heights.ravel() / problem.field.rms_height)
+    share = (np.arange(z.size) + 0.5) / z.size
+    density = np.histogram(z, bins=HEIGHT_EDGES)[0] / (z.size * np.diff(HEIGHT_EDGES))
+    return xr.Dataset(
+        {
+            "height_density_each": ("bin", density),
+            "area_each": ("load", areas),
+            "skewness_each": float(np.mean(z**3)),
+            "excess_kurtosis_each": float(np.mean(z**4) - 3),
+            "height_distance_each": float(np.max(np.abs(ndtr(z) - share))),
+            "highest_each": float(z[-1]),
+            "rms_height_each": problem.field.rms_height,
+            "rms_gradient_each": problem.field.rms_gradient,
+        }
+    )
+
+
+class Options(SurfaceOptions):
     """Which surfaces, and how they are pressed."""
 
     why_no_scene = "it asks about spectra with a roll-off, and makes a surface for each"
@@ -39,12 +81,10 @@ class Options(StudyOptions):
     """roll-off wavelength of the second spectrum over that of the first"""
     reduced_pressures: Rising = (0.02, 0.05, 0.1, 0.2)
     """p* on the first spectrum, rising"""
-    hurst: Hurst = 0.8
     bandwidth: Bandwidth = 8.0
     surfaces: Surfaces = 16
     points_per_wave: float = Field(default=4.0, ge=2)
     """grid, as lambda_short/dx"""
-    seed: Seed = 2006
 
     @model_validator(mode="after")
     def _waves_fit(self) -> Self:

@@ -23,7 +23,7 @@ from validation.measurements.references import ladders_beside_published, papers_
 from validation.measurements.theory import RANKED, VARIANTS, ensemble_area, with_variants
 from validation.report.estimates import change, claim_shares, derive, gather, mean
 from validation.solvers import chosen_solver
-from validation.studies._hurst_views import views
+from validation.studies._hurst_views import views as views
 from validation.studies._options import (
     AnyMethods,
     Bandwidth,
@@ -35,8 +35,6 @@ from validation.studies._options import (
     Shifts,
     StudyOptions,
 )
-
-__all__ = ["Options", "design", "run", "views"]
 
 
 class Options(StudyOptions):

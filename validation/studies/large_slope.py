@@ -7,26 +7,162 @@ of them; a neo-Hookean block of finite strain, met by the rough surface where it
 from __future__ import annotations
 
 import itertools
-from typing import Annotated
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Annotated, Any
 
+import numpy as np
 import xarray as xr
 from pydantic import Field
 
+from fem_contact.errors import NotConverged
+from fem_contact.settings import one_blas_thread
+from validation.arrays import Array, Grid
 from validation.execution.bench import Bench
+from validation.execution.measurement import measurement
+from validation.execution.solve import Prediction
 from validation.measurements.common import BASE_SOLID, Rising, RisingSeveral, base_case
+from validation.measurements.limits import read_off
 from validation.measurements.measurement import grid_for
-from validation.measurements.slopes import CHANGES, changes_of, steepened, with_differences
-from validation.report.estimates import claim
+from validation.report.estimates import claim, derive, mean, total_error
 from validation.report.views import Figure, Finding, Table, Views, against, finding
+from validation.scenes.problem import ContactProblem
 from validation.scenes.tables import SolidSpec
-from validation.studies._options import Bandwidth, Hurst, Periods, Seed, StudyOptions, Surfaces
+from validation.studies._options import Bandwidth, Periods, SurfaceOptions, Surfaces
 from validation.studies._study import gathered
+
+if TYPE_CHECKING:
+    from fem_contact.block import FiniteStrain
+
 
 #: Relative differences whose slopes are looked for, and the slope up to which differences count as going with it.
 DIFFERENCES, STRAIGHT = (0.01, 0.05), 0.4
 
 
-class Options(StudyOptions):
+def _predicted(points: int, slopes: tuple[float, ...]) -> Prediction:
+    unknowns = int(3 * points * 3 * np.log(points))
+    seconds = 0.5 + 4e-5 * unknowns * len(slopes)
+    return Prediction(seconds=seconds, peak_bytes=9000 * unknowns, unknowns=unknowns)
+
+
+@measurement("slopes-{size}", kind="SlopeMeasurement", words="finite strain", version=1, predict=_predicted)
+def steepened(
+    *, problem: ContactProblem, grid: Grid, slopes: tuple[float, ...], depth: float = 1.0, growth: float = 1.3
+) -> xr.Dataset:
+    """Press a surface at one p0 / (E* h'_rms) scaled to rising slopes h'_rms, where the solid is neo-Hookean.
+
+    By slope: A/A0 projected on the plane where the nodes are now, the share of the undeformed surface in
+    contact (material), and the area along the rigid surface (true), nodes counted; int p^2 dA / (p0^2 A0),
+    p over the projected area; forces that nothing balances over those of the contact, and the mean force
+    along the plane over the load. NaN, with the reason, where Newton's method ends. The block is `depth`
+    periods deep.
+    """
+    from fem_contact import block
+
+    field, solid = problem.heights(grid), problem.elastic
+    pressure = problem.reduced_pressure * solid.contact_modulus * field.rms_gradient
+    mesh: Any = {"depth": depth * max(field.lengths), "growth": growth}
+    steps: list[dict[str, float]] = []
+    ended = ""
+    with one_blas_thread():
+        linear = block.solve(field, solid, mean_pressure=pressure, **mesh).contact.checked()
+        try:
+            steeper = block.solve_slopes(field, solid, mean_pressure=pressure, slopes=slopes, **mesh)
+            steps.extend(map(_read_off, steeper))  # what came before an error counts
+        except NotConverged as error:
+            ended = str(error)
+    left = [dict.fromkeys(_NAMES, np.nan)] * (len(slopes) - len(steps))
+    return xr.Dataset(
+        {name: ("slope", [step[name] for step in (*steps, *left)]) for name in _NAMES}
+        | {
+            "linear_area": float(np.mean(linear.in_contact)),
+            "linear_square_pressure": float(np.mean(linear.pressure**2)) / linear.mean_pressure**2,
+        },
+        coords={"slope": list(slopes)},
+        attrs={"ended": ended},
+    )
+
+
+_NAMES = ("area", "material_area", "true_area", "square_pressure", "residual", "sideways")
+
+
+def _read_off(block: FiniteStrain) -> dict[str, float]:
+    square = float(np.mean(block.shares * block.pressure**2)) / block.mean_pressure**2
+    return {name: square if name == "square_pressure" else getattr(block, name) for name in _NAMES}
+
+
+#: Changes against the linear block, and what of a measurement they are of.
+CHANGES = {
+    "area_finite": "area",
+    "area_finite_true": "true_area",
+    "area_finite_material": "material_area",
+    "square_finite": "square_pressure",
+}
+
+
+def changes_of(measured: xr.Dataset) -> xr.Dataset:
+    """Reduce one path of slopes to changes against the linear block, on its grid."""
+    linear = {
+        of: "linear_square_pressure" if of == "square_pressure" else "linear_area" for of in CHANGES.values()
+    }
+    data = read_off(
+        measured.drop_vars("slope"),
+        **{f"{name}_grid_each": f"{of} / {linear[of]} - 1" for name, of in CHANGES.items()},
+        **{f"{name}_each": name for name in ("residual", "sideways", "linear_area")},
+    )
+    return data.assign(path_ended_each=float(bool(measured.attrs["ended"])))
+
+
+def with_differences(data: xr.Dataset, *, differences: Sequence[float], straight: float) -> xr.Dataset:
+    """Add changes on the finest grid, what they are per slope, and from which slope on they exceed differences.
+
+    To ``x_grid_each`` of `CHANGES` over (..., surface, grid, slope), with ``rms_gradient`` (slope); the
+    step from the grid before is the error of the grid. Up to the slope `straight`, ``x_rate`` is that of a
+    line through 0.
+    """
+    slopes = data.rms_gradient
+    small = {"slope": np.flatnonzero(slopes.values <= straight)}
+    data = data.assign_coords(difference=list(differences))
+    for name in CHANGES:
+        values = data[f"{name}_grid_each"]
+        line = (values * slopes).isel(small).sum("slope", skipna=False) / (slopes**2).isel(small).sum()
+        data[f"{name}_rate_grid_each"] = line.drop_vars("rms_gradient", errors="ignore").drop_attrs()
+        for part in (name, f"{name}_rate"):
+            finest, before = (f"{part}_grid_each.isel(grid={k})" for k in (-1, -2))
+            data = derive(data, **{f"{part}_each": finest, f"{part}_each_drift": f"{finest} - {before}"})
+        data = mean(data, name, f"{name}_rate")
+        error = total_error(data, name)
+        assert error is not None
+        size = abs(data[name])
+        for end, change in (("", size), ("_lower", size + error), ("_upper", size - error)):
+            at = xr.apply_ufunc(
+                first_crossing,
+                slopes,
+                change,
+                data.difference,
+                input_core_dims=[["slope"], ["slope"], []],
+                vectorize=True,
+            )
+            data[f"{name}_crossing{end}"] = at.assign_attrs(reduction="crossing", of=name)
+            data = claim(data, f"{name}_crossing{end}")
+    return data
+
+
+def first_crossing(slopes: Array, change: Array, difference: float) -> float:
+    """Return where a change first exceeds a difference, between slopes and from 0 on straight; NaN if nowhere.
+
+    >>> round(first_crossing(np.array([0.1, 0.12, 0.2]), np.array([0.01, np.nan, 0.03]), 0.02), 12)
+    0.15
+    """
+    x, y = np.append(0.0, slopes), np.append(0.0, change)
+    x, y = x[np.isfinite(y)], y[np.isfinite(y)]
+    beyond = np.flatnonzero(y > difference)
+    if not beyond.size:
+        return float("nan")
+    k = int(beyond[0])
+    return float(x[k - 1] + (difference - y[k - 1]) / (y[k] - y[k - 1]) * (x[k] - x[k - 1]))
+
+
+class Options(SurfaceOptions):
     """Surfaces of few waves on fine grids: steep tips of less than some ten points cannot be followed."""
 
     why_no_scene = "it makes surfaces steeper at one reduced load"
@@ -37,13 +173,11 @@ class Options(StudyOptions):
     """p* = p0 / (E* h'_rms) with the realised gradient of each surface"""
     poissons: tuple[Annotated[float, Field(ge=0, lt=0.5)], ...] = Field(default=(0.3, 0.49), min_length=1)
     """Poisson ratios at small strain"""
-    hurst: Hurst = 0.8
     periods: Periods = 1.0
     bandwidth: Bandwidth = 2.0
     surfaces: Surfaces = 4
     points_per_wave: RisingSeveral = (12.0, 16.0)
     """grids, as lambda_short/dx; the finest gives the value, its distance to the one before the uncertainty"""
-    seed: Seed = 2006
 
 
 def run(options: Options, *, bench: Bench) -> xr.Dataset:

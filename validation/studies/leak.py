@@ -21,7 +21,7 @@ from validation.measurements.limits import ABSENT
 from validation.measurements.measurement import grid_for
 from validation.report.estimates import claim, derive, mean, same_of_all, spread
 from validation.report.views import Figure, Finding, Level, Line, Table, Views, against, finding, panels_along
-from validation.studies._options import Hurst, Periods, Seed, StudyOptions, Surfaces
+from validation.studies._options import Periods, SurfaceOptions, Surfaces
 from validation.studies._study import gathered
 
 #: A/A0 of the tire rim as the paper prints it (Sec. 8.3), which it compares with its threshold.
@@ -30,21 +30,19 @@ _RIM = 0.44
 _DRAWN = 4
 
 
-class Options(StudyOptions):
+class Options(SurfaceOptions):
     """What is pressed, and how far."""
 
     why_no_scene = "it asks about spectra of rising bandwidth, and makes a surface for each"
 
     areas: Annotated[Rising, Field(max_length=20)] = (0.1, 0.2, 0.3, 0.4)
     """contact areas A/A0 at which the flow is computed, rising, below 0.9"""
-    hurst: Hurst = 0.8
     periods: Periods = 2.0
     bandwidths: Rising = (4.0, 8.0, 16.0)
     """lambda_long / lambda_short, rising"""
     surfaces: Surfaces = 16
     points_per_wave: float = Field(default=6.0, ge=2)
     """grid, as lambda_short/dx"""
-    seed: Seed = 2006
 
 
 def run(options: Options, *, bench: Bench) -> xr.Dataset:

@@ -25,10 +25,10 @@ from validation.measurements.measurement import grid_for
 from validation.report.estimates import claim, derive, gather, mean, nearest, ratio_of_means
 from validation.report.views import Figure, Finding, Level, Line, Table, Views, against, finding
 from validation.scenes.problem import ContactProblem
-from validation.studies._options import Bandwidth, Hurst, Periods, Seed, StudyOptions, Surfaces
+from validation.studies._options import Bandwidth, Periods, SurfaceOptions, Surfaces
 
 
-class Options(StudyOptions):
+class Options(SurfaceOptions):
     """What is pressed, with which of its waves."""
 
     why_no_scene = "it asks about spectra with a roll-off, and makes a surface for each"
@@ -39,13 +39,11 @@ class Options(StudyOptions):
     """zeta = q/q_0 of the last wave there is, rising; the last is at most the bandwidth"""
     percolating: RisingOrNone = (0.05, 0.1, 0.15)
     """p* at which contact and gap are followed to their thresholds"""
-    hurst: Hurst = 0.8
     periods: Periods = 8.0
     bandwidth: Bandwidth = 8.0
     surfaces: Surfaces = 16
     points_per_wave: float = Field(default=4.0, ge=2)
     """grid, as lambda_short/dx"""
-    seed: Seed = 2006
 
     @property
     def first(self) -> ContactProblem:

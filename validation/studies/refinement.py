@@ -33,11 +33,9 @@ from validation.measurements.theory import ensemble_area
 from validation.report.estimates import claim_shares, gather
 from validation.solvers.theory import predict
 from validation.studies._options import Element, Hurst, Methods, ReducedPressure, Shifts, Surfaces
-from validation.studies._refinement_views import views
+from validation.studies._refinement_views import views as views
 from validation.studies._scene import PressedOptions, SolverRequest
 from validation.units import wrong
-
-__all__ = ["Options", "design", "run", "views"]
 
 #: Tolerance of the finite elements that shows what their usual one leaves; finest grid of that check of boundary elements,
 #: as lambda_short/dx.

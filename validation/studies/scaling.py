@@ -26,7 +26,7 @@ from validation.measurements.measurement import press_elastic
 from validation.report.estimates import derive, power_law, reduce
 from validation.report.views import Figure, Finding, Line, Table, Views, against, finding
 from validation.scenes.problem import ContactProblem
-from validation.studies._options import Hurst, Periods, ReducedPressure, Seed, StudyOptions, Surfaces
+from validation.studies._options import Periods, ReducedPressure, Seed, SurfaceOptions, Surfaces
 from validation.studies._study import gathered
 from validation.units import wrong
 
@@ -35,7 +35,7 @@ _COSTS = ("seconds", "fft_pairs", "peak_bytes")
 _LARGE = 256
 
 
-class Options(StudyOptions):
+class Options(SurfaceOptions):
     """Surfaces whose bandwidth grows with the grid. Times mean something only if nothing else runs: one worker."""
 
     why_no_scene = "its surfaces grow with the grid"
@@ -45,7 +45,6 @@ class Options(StudyOptions):
     points_per_wave: float = Field(default=8.0, ge=1)
     """lambda_short/dx, the same on every grid"""
     periods: Periods = 4.0
-    hurst: Hurst = 0.8
     reduced_pressure: ReducedPressure = 0.05
     surfaces: Surfaces = 3
     seed: Seed = 1206

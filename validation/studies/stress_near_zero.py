@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 import re
 from collections.abc import Iterator
 
@@ -12,14 +11,13 @@ from pydantic import Field
 from persson import elastic
 from validation.errors import UsageError
 from validation.execution.bench import Bench
-from validation.execution.measurement import Call
 from validation.measurements.common import Rising
 from validation.measurements.edge import edge_limits, edge_of_contact, start_of_pressure
 from validation.measurements.limits import solved
 from validation.report.estimates import change, derive, gather, mean, power_law, spread
 from validation.report.views import Figure, Finding, Level, Line, Table, Views, against, finding
 from validation.studies._options import Bandwidth, Methods, ReducedPressure, Surfaces
-from validation.studies._scene import PressedOptions, SolverRequest
+from validation.studies._scene import PressedOptions
 
 
 class Options(PressedOptions):
@@ -40,17 +38,6 @@ class Options(PressedOptions):
     """the same for the slope; it must end beyond the first cell inside the edge, where the continuum begins"""
 
 
-def design(options: Options, solvers: tuple[SolverRequest, ...]) -> dict[tuple[str, int, int], Call]:
-    """Return the solves by method, surface and grid."""
-    return {
-        (solver.name, k, g): edge_of_contact(
-            problem=problem, grid=grid, method=solver.method, settings=solver.settings
-        )
-        for solver in solvers
-        for (k, problem), (g, grid) in itertools.product(enumerate(options.pressed), enumerate(solver.grids))
-    }
-
-
 def run(options: Options, *, bench: Bench) -> xr.Dataset:
     """Measure the density of small pressures on grids fine enough to see the edge.
 
@@ -69,7 +56,17 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
         solver.name: [1 / options.first.points_per_wave(grid) for grid in solver.grids] for solver in solvers
     }
     windows = {"window": options.window, "slope_window": options.slope_window}
-    measured = solved(bench, design(options, solvers))
+    measured = solved(
+        bench,
+        {
+            (solver.name, k, g): edge_of_contact(
+                problem=problem, grid=grid, method=solver.method, settings=solver.settings
+            )
+            for solver in solvers
+            for k, problem in enumerate(options.pressed)
+            for g, grid in enumerate(solver.grids)
+        },
+    )
     starts = {
         case: start_of_pressure(data, spacing=spacing[case[0]][case[2]], **windows)
         for case, data in measured.items()

@@ -43,22 +43,17 @@ def predictions(
     # Without scatter of the amplitudes every surface has the same waves; no theory knows of phases.
     several = getattr(pressed[0].surface, "amplitudes", "") == "gaussian"
     surfaces = [Rough.of(case) for case in (pressed if several else pressed[:1])]
-    expected = _expected(surfaces)
-    numbers = {name: np.full((2, len(theories), loads.size), np.nan) for name in COMPARED}
-    for t, theory in enumerate(theories):
-        realised = [[_along(theory, rough, loads, units=rough)] for rough in surfaces]
-        # Each surface meets its own nominal pressure; C(q) does not know which surface it is.
-        spectral = [[_along(theory, rough, loads, units=one) for rough in expected] for one in surfaces]
-        for name in COMPARED:
-            for k, values in enumerate((realised, spectral)):
-                if values[0]:
-                    numbers[name][k, t] = np.mean([[one[name] for one in row] for row in values], axis=(0, 1))
-    made = {"reduction": "theory"}
-    data = {
-        f"{name}_{ending}": (("theory", "load"), values[k], made)
-        for name, values in numbers.items()
-        for k, ending in enumerate(("predicted", "spectral"))
+    nothing, data = np.full(loads.size, np.nan), {}
+    # Each surface meets its own nominal pressure; C(q) does not know which surface it is.
+    told = {
+        "predicted": [(one, one) for one in surfaces],
+        "spectral": [(rough, one) for one in surfaces for rough in _expected(surfaces)],
     }
+    for ending, pairs in told.items():
+        said = [[_along(theory, rough, loads, units=one) for rough, one in pairs] for theory in theories]
+        for name in COMPARED:
+            means = [np.mean([along[name] for along in row], axis=0) if row else nothing for row in said]
+            data[f"{name}_{ending}"] = ("theory", "load"), means, {"reduction": "theory"}
     return xr.Dataset(data, coords={"theory": [theory.label for theory in theories]})
 
 

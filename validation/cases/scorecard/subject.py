@@ -109,14 +109,9 @@ class Subject:
         return self.solver.controlled(self.settings)
 
     @property
-    def asked_seconds(self) -> list[float]:
-        """Seconds of each of its solves so far; 0 where they are not known."""
-        return [seconds for _, seconds in self._costs]
-
-    @property
     def left(self) -> float:
         """Seconds that are left of its time."""
-        return max(self.seconds - sum(self.asked_seconds), 0.0)
+        return max(self.seconds - sum(seconds for _, seconds in self._costs), 0.0)
 
     @property
     def pressure_error(self) -> float:

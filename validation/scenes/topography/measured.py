@@ -48,11 +48,6 @@ class Measured:
             second = read_topography(surface.second_path, lengths=surface.length, unit=surface.unit)
             return cls(surface=surface, raw=raw.facing(second))
 
-    @property
-    def digest(self) -> str:
-        """SHA-256 of the bytes that were read."""
-        return self.raw.digest
-
     @cached_property
     def patch(self) -> Topography:
         """Levelled and filled; its edges are as they were."""
