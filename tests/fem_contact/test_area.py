@@ -36,15 +36,6 @@ def test_edges_are_counted_along_both_directions_per_nominal_area():
     assert areas.perimeter == pytest.approx(18 / 80 - 0.25 * 18 / 80)
 
 
-def test_edge_length_of_a_disc_is_four_over_pi_times_its_circumference():
-    n, a = 800, 0.31
-    x = np.arange(n) / n - 0.5 + 0.3 / n
-    contact = np.hypot(x[:, None], x[None, :]) < a
-    areas = contact_areas(made_contact(contact))
-    assert areas.edge_length == pytest.approx(4 / np.pi * 2 * np.pi * a, rel=5e-3)
-    assert areas.edge_fraction == pytest.approx(areas.edge_length / n, rel=1e-12)
-
-
 def test_the_edge_constant_is_that_of_the_element_that_made_the_result():
     contact = np.zeros((4, 4), dtype=bool)
     contact[0, 0] = True
@@ -54,12 +45,6 @@ def test_the_edge_constant_is_that_of_the_element_that_made_the_result():
         assert contact_areas(made).edge_constant == EDGE_CONSTANTS[name]
         assert contact_areas(made, edge_constant=0.1).edge_constant == 0.1
     assert contact_areas(result).edge_constant == EDGE_CONSTANTS["bem"]
-
-
-def test_a_pressed_block_is_corrected_with_its_own_constant():
-    solid = Solid(young=1.0, poisson=0.3)
-    pressed = block.solve(rough(309).resampled((24, 24)), solid, mean_pressure=0.02, element="Hex2")
-    assert contact_areas(pressed.contact).edge_constant == EDGE_CONSTANTS["Hex2"]
 
 
 @pytest.mark.parametrize(

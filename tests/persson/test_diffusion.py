@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from scipy.integrate import quad
 from scipy.special import erf
 
-from persson import _galerkin, pressure_distribution, sine_expansion, solve_diffusion
+from persson import _galerkin, sine_expansion, solve_diffusion
 from persson.errors import NotConverged, OutsideTheory
 
 
@@ -34,14 +34,6 @@ def test_error_falls_with_the_fourth_power_of_the_step_and_the_ledger_bounds_it(
         errors.append(np.max(np.abs(result.area_elastic / exact - 1)))
         assert errors[-1] < result.error_estimate
     assert math.log2(errors[0] / errors[2]) / 2 > 3.6
-
-
-def test_distribution_is_the_closed_form():
-    result = solve_diffusion([0.5, 40.0], pressure=1.0, tolerance=1e-8).checked()
-    for index, variance in enumerate(result.variance):
-        stress = np.linspace(0, 6 * math.sqrt(variance), 40)
-        exact = pressure_distribution(stress, pressure=1.0, stress_variance=variance)
-        assert result.distribution(index, stress) == pytest.approx(exact, abs=1e-7 * exact.max())
 
 
 def test_before_a_wall_is_felt_the_distribution_is_the_free_gaussian():
@@ -117,7 +109,7 @@ def test_the_error_estimate_of_the_sine_expansion_bounds_both_areas(variance, pr
     walls = dict(zip(("tensile_limit", "yield_stress"), walls, strict=True))
     exact = solve_diffusion([variance], pressure=pressure, tolerance=1e-7, **walls).checked()
     for modes in (16, 24):
-        sine = sine_expansion(variance, pressure=pressure, modes=modes, tolerance=1e-8, **walls)
+        sine = sine_expansion(variance, pressure=pressure, modes=modes, tolerance=1e-5, **walls)
         errors = [getattr(sine, name) - getattr(exact, name)[0] for name in ("area_elastic", "area_plastic")]
         assert np.max(np.abs(errors)) < sine.error_estimate < 0.2
 
@@ -126,7 +118,7 @@ def test_the_error_estimate_of_too_few_sines_is_no_smaller_than_the_error():
     walls = {"tensile_limit": 0.0, "yield_stress": lambda v: 4.8 + 0.24 * v}
     exact = solve_diffusion([0.038], pressure=0.27, tolerance=1e-7, **walls).checked()
     for modes in (2, 4, 8):
-        sine = sine_expansion(0.038, pressure=0.27, modes=modes, tolerance=1e-8, **walls)
+        sine = sine_expansion(0.038, pressure=0.27, modes=modes, tolerance=1e-5, **walls)
         assert abs(sine.area_elastic - exact.area_elastic[0]) < sine.error_estimate
 
 

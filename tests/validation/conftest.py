@@ -11,7 +11,7 @@ from small_scene import GRIDS, ensemble, small_scene
 
 from validation.comparison.run import run_scene
 from validation.execution.bench import Bench
-from validation.files import atomic_path, prepare_folder
+from validation.files import locked, prepare_folder
 from validation.report import figure
 from validation.scenes.scene import load_scene
 from validation.studies import find_study
@@ -97,11 +97,12 @@ def once(bench):
     """What a function makes, by name: once for all processes of this session."""
 
     def known(name, make):
-        path = bench.store.folder.parent / f"{name}.pickle"
-        if not path.exists():
-            made = pickle.dumps(make())
-            with atomic_path(path) as draft:
-                draft.write_bytes(made)
+        place = bench.store.folder.parent / name
+        place.mkdir(exist_ok=True)
+        path = place / "made.pickle"
+        with locked(place):
+            if not path.exists():
+                path.write_bytes(pickle.dumps(make()))
         return pickle.loads(path.read_bytes())
 
     return known

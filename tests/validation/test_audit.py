@@ -225,9 +225,8 @@ def test_a_single_grid_tells_its_area_however_few_points_touch(audited, tmp_path
     assert 0 < area < 16 / 24**2
 
 
-@pytest.mark.parametrize("hurst", [0.3, 1.0])
-def test_moments_of_the_spectrum_are_judged_at_any_exponent(audited, hurst):
-    ledger = audited(("hurst = 0.7", f"hurst = {hurst}"))
+def test_moments_of_the_spectrum_are_judged_at_any_exponent(audited):
+    ledger = audited(("hurst = 0.7", "hurst = 1.0"))
     assert "rms_height_spectrum" in {entry.name for entry in ledger.entries}
 
 
@@ -275,10 +274,8 @@ def test_a_sweep_is_read_case_by_case(write_scene, tmp_path):
     ("settings", "words"),
     [
         (["sweep.methods.bem.grids=[[12, 24], [16, 32]]"], "grids = 16x16, 32x32"),
-        (["sweep.shifts=[1, 2]"], "shifts = 2"),
         (["ensemble.grids=[12, 24]", "sweep.ensemble.realisations=[2, 3]"], "realisations = 3"),
         (["grids=[[24, 48]]", "sweep.length=['10 um', ['10 um', '20 um']]"], "length = 10 um, 20 um"),
-        (["sweep.rms_height=['20 nm', '10 nm']", "amplitudes='gaussian'"], "rms_height_spectrum = 1e-08"),
         # The other method has a tolerance of its own.
         (["sweep.methods.bem.tolerance=[1e-8, 1e-6]", "methods.fem.grids=[12]"], "tolerance = 1e-06"),
         # Grids that are chosen differ, too.

@@ -303,7 +303,7 @@ def test_ctrl_c_ends_the_workers_and_keeps_what_is_finished(tmp_path):
         os.killpg(process.pid, 0)
 
 
-@pytest.mark.parametrize("where", ["begin", "submit", "done", "do"])
+@pytest.mark.parametrize("where", ["done", "do"])
 def test_an_interruption_anywhere_ends_the_workers_and_keeps_what_is_finished(tmp_path, monkeypatch, where):
     store, progress, calls = Store(folder=tmp_path), Notes(), itertools.count(1)
     others = workers_of(os.getpid())  # of the tests before, in which files are read

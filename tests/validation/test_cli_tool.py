@@ -511,7 +511,7 @@ def test_an_accuracy_is_reached_told_and_stored_and_not_solved_again(tool, write
 
 def test_a_study_leaves_its_report_unless_it_is_told_not_to(done, tmp_path):
     for option, there in (("", True), ("--no-report", False)):
-        done(f"study reference-score --theory persson -o {there} {option}")
+        done(f"study graded --waves 5 -o {there} {option}")
         assert (tmp_path / str(there) / "report.html").exists() == there
 
 

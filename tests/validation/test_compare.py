@@ -212,7 +212,13 @@ def test_scores_of_two_theories_are_told_apart_though_no_number_has_an_interval(
     score = find_study("reference-score")
     for name in ("persson", "xu"):
         (tmp_path / name).mkdir()
-        run_study(score, score.options(theory=(name,)), tmp_path / name, bench=Bench.at(tmp_path / "solves"))
+        run_study(
+            score,
+            score.options(theory=(name,)),
+            tmp_path / name,
+            bench=Bench.at(tmp_path / "solves"),
+            report=False,
+        )
     page = compare_folders([tmp_path / "persson", tmp_path / "xu"], tmp_path / "both", report=False).page
     first, other = (read_results(tmp_path / name).data.area_scored[0] for name in ("persson", "xu"))
     data = read_results(tmp_path / "both").data.isel(result=1)

@@ -65,6 +65,7 @@ def test_the_lines_of_python_in_the_readme_print_what_it_shows(capsys, tmp_path,
     assert {path.name for path in tmp_path.iterdir()} == {"stress.png", "fields.nc"}
 
 
+@pytest.mark.nightly
 def test_the_recipes_run_in_their_order(capsys, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     rough = {"hurst": 0.8, "lambda_long": "500 nm", "lambda_short": "125 nm", "rms_gradient": 0.1, "seed": 21}

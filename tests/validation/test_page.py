@@ -432,33 +432,6 @@ def test_panels_of_different_decades_leave_the_highest_point_a_margin():
     assert np.log(top / 0.4) > 0.03 * np.log(top / bottom)
 
 
-@pytest.mark.parametrize("kind", ["run", "study"])
-def test_without_a_report_the_numbers_are_there_and_the_report_can_be_made_later(
-    outputs, small_run, tmp_path, kind
-):
-    _, whole, again = outputs[kind]
-    folder = tmp_path / kind
-    if kind == "run":
-        shutil.copytree(whole, folder)
-        run_scene(scene_of(small_run), folder, report=False)
-    else:
-        folder.mkdir()
-        shutil.copytree(
-            whole.parent / "solves", tmp_path / "solves"
-        )  # the record says where they are, from its folder
-        _run_area(folder, tmp_path / "solves", report=False)
-    assert not (folder / "report.html").exists()
-    assert not list(folder.glob("figures/*"))
-    again(folder)
-    for path in whole.rglob("*"):
-        # The record names the dataset, which says when it was made; bytes of netCDF differ between writes.
-        if path.suffix in (".csv", ".json", ".html", ".svg") and path.name not in (
-            "result.json",
-            "shown.json",
-        ):
-            assert (folder / path.relative_to(whole)).read_bytes() == path.read_bytes(), path
-
-
 def test_one_solve_tells_of_no_scatter(small_run):
     half = small_run.data.area_pixel_error.sel(source="grid")
     shifts = small_run.data.shifts

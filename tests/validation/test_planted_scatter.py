@@ -19,7 +19,7 @@ NOT_ASKED = ("archard", "reference", "accuracy-cost", "scaling")
 ASKED = [
     name
     for name, told in STUDIES.items()
-    if set(COUNTS) & told.keys() and "with" not in name and name not in NOT_ASKED
+    if set(COUNTS) & told.keys() and " " not in name and name not in NOT_ASKED
 ]
 #: Twice their surfaces take as long as those of all others; of them it is asked that copies do not scatter.
 LONG = ("adhesion", "autopsy")

@@ -5,7 +5,6 @@ import pytest
 
 from validation.measurements.statistics import finest_error, order_of_convergence, pair_means
 from validation.report.estimates import mean_of
-from validation.report.values import combined
 
 
 def estimated(values, **how):
@@ -58,10 +57,6 @@ def test_one_surface_has_no_scatter_and_no_interval():
 def test_an_odd_number_makes_no_pairs():
     with pytest.raises(ValueError, match="pairs need an even number"):
         pair_means([1.0, 2.0, 3.0])
-
-
-def test_errors_add_in_squares():
-    assert combined(0.3, 0.4) == pytest.approx(0.5)
 
 
 def test_orders_are_slopes():

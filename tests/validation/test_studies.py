@@ -10,7 +10,7 @@ from numpy.testing import assert_allclose
 from validation.errors import UsageError
 from validation.execution.results import Result
 from validation.measurements.common import base_case, base_surface
-from validation.measurements.measurement import grid_for, press_on_grids, truncated_heights
+from validation.measurements.measurement import grid_for, press_on_grids
 from validation.scenes import surfaces
 from validation.scenes.scene import load_scene
 from validation.scenes.tables import SolidSpec
@@ -52,18 +52,6 @@ def test_the_inverted_surface_has_the_same_gradient_and_another_area(measured):
     found = inverted.do()
     assert found.attrs["rms_gradient"] == measured.attrs["rms_gradient"]
     assert not np.allclose(found.pixel.values, measured.pixel.values)
-
-
-def test_a_truncated_surface_keeps_the_waves_that_remain():
-    whole, part = measurement(), measurement(truncation=2 * np.pi / 0.45e-3)
-    grid = (32, 32)
-    spectra = [
-        np.fft.fft2(truncated_heights(pressed(), grid, truncation=m["truncation"]).heights)
-        for m in (whole, part)
-    ]
-    kept = np.abs(spectra[1]) > 1e-9 * np.abs(spectra[0]).max()
-    assert 0 < kept.sum() < (np.abs(spectra[0]) > 1e-9 * np.abs(spectra[0]).max()).sum()
-    assert_allclose(spectra[1][kept], spectra[0][kept], rtol=1e-9)
 
 
 def test_a_recipe_holds_everything_and_nothing_else():
@@ -178,12 +166,6 @@ def test_options_of_a_study_are_refused_by_name_before_anything_runs(asked, word
     with pytest.raises(UsageError) as caught:
         find_study(name).parse(options)
     assert words in str(caught.value)
-
-
-def test_a_study_takes_ten_thousand_surfaces_and_any_seed():
-    assert find_study("area").parse(["--surfaces", "10000", "--seed", "123456"]).seed == 123456
-    with pytest.raises(UsageError, match="must be at most 10000"):
-        find_study("area").parse(["--surfaces", "10001"])
 
 
 @pytest.mark.parametrize(

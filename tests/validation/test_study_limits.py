@@ -11,19 +11,17 @@ from numpy.testing import assert_allclose, assert_array_equal
 from planted import edge_data
 
 from fem_contact import HalfSpace, HeightField, Solid, bem, contact_areas
-from persson import Scale, contact_area, mean_separation, stress_variance
+from persson import contact_area, stress_variance
 from validation.audit.reductions import recomputed
 from validation.measurements.common import base_case, base_surface
 from validation.measurements.convergence import bandwidth_order, fitted_line, line
 from validation.measurements.distributions import distance_to_reference
 from validation.measurements.edge import inverse_square_coefficient, window_slope
-from validation.measurements.limits import grid_drift
 from validation.measurements.measurement import grid_for, press_on_grids
-from validation.measurements.theory import WITH_ENERGY, Waves, ensemble_area, modes_finding
-from validation.report.estimates import claim, mean
-from validation.scenes.surfaces import height_field, spectrum_of
+from validation.measurements.theory import ensemble_area, modes_finding
+from validation.scenes.surfaces import spectrum_of
 from validation.scenes.tables import SolidSpec
-from validation.studies import depth, stress_near_zero
+from validation.studies import depth
 
 SOLID = SolidSpec(young=3e8, poisson=0.25)
 SMALL = {"periods": 1.6, "bandwidth": 2.5}
@@ -37,18 +35,6 @@ def measured():
     return press_on_grids(
         problem=case, reduced_pressures=(0.05, 0.2), grids=grids, shifts=2, keep=("distributions",)
     ).do()
-
-
-def test_rungs_of_common_surfaces_lead_to_the_law_they_follow_whatever_their_offsets():
-    steps, order = (1 / 4, 1 / 8, 1 / 16, 1 / 32), bandwidth_order(0.7)
-    offsets = np.random.default_rng(5).normal(scale=0.3, size=6)
-    found = fitted_line(
-        [1.9 + offsets + 0.5 * s**order for s in steps], np.array(steps) ** order, common=True
-    )
-    assert found.limit == pytest.approx(1.9 + offsets.mean(), abs=1e-12)
-    assert found.slope == pytest.approx(0.5, abs=1e-12)
-    # The offsets are common, so only the limit is uncertain, not the slope.
-    assert found.slope_scatter + found.slope_drift < 1e-12 < found.limit_scatter
 
 
 def test_the_interval_of_independent_rungs_covers_the_limit():
@@ -99,19 +85,6 @@ def test_a_line_takes_as_many_samples_of_each_group_as_were_solved():
     assert np.isnan(fit(data, "kappa").kappa_limit)
 
 
-def test_systematic_drift_of_the_grids_does_not_average_out_over_surfaces(measured):
-    two = measured.isel(grid=[0, 1])
-    assert np.all(grid_drift(two) == 0)
-    assert np.all(np.abs(grid_drift(measured)) > 0)
-    shares = []
-    for n in (4, 4000):
-        data = xr.Dataset(
-            {name: ("surface", np.full(n, v)) for name, v in (("a_each", 1.0), ("a_each_drift", 0.02))}
-        )
-        shares.append(float(mean(claim(data, "a_each", grid=0.02), "a").a_error.sel(source="grid")))
-    assert shares[0] > shares[1] > 0.02
-
-
 def test_conditioning_hides_a_wrong_generator_and_the_ensemble_shows_it():
     surface = base_surface(hurst=0.6, seed=61, **SMALL)
     loads, right = np.array([0.01, 0.1]), float(spectrum_of(surface).moments().rms_gradient)
@@ -142,29 +115,6 @@ def test_scatter_of_the_realised_gradient_is_averaged_over():
 @pytest.fixture(scope="module")
 def rough():
     return base_surface(hurst=0.7, periods=4.0, bandwidth=6.0, seed=77)
-
-
-@pytest.mark.parametrize(("variant", "ratio"), [("persson", 1.0), ("yang_persson", 0.45)])
-def test_the_gap_from_stored_energy_is_that_of_the_closed_integral(rough, variant, ratio):
-    spectrum = spectrum_of(rough)
-    waves = Waves.of_spectrum(spectrum)
-    loads = np.array([0.003, 0.02, 0.1, 0.5]) * 0.1
-    expected = mean_separation(loads, scale=Scale(spectrum, contact_modulus=1.0), energy_ratio=ratio)
-    # 200 intervals and 500 pressures in steps of 2 %: 3e-5 inside, and some 1e-3 at both ends.
-    assert_allclose(waves.mean_gap(loads, variant), expected, rtol=5e-3)
-
-
-def test_full_contact_stores_the_energy_of_all_waves(rough, measured):
-    field = height_field(rough)
-    waves = Waves.of_field(field)
-    assert 4 * waves.variance.max() <= field.rms_gradient**2 * (1 + 1e-12)
-    for variant in WITH_ENERGY:
-        assert waves.elastic_energy(np.array([10 * field.rms_gradient]), variant)[0] == pytest.approx(
-            waves.full_energy, rel=1e-12
-        )
-    small = height_field(base_surface(hurst=0.6, seed=61, **SMALL))
-    expected = measured.attrs["full_contact_energy"] / measured.attrs["contact_modulus"]
-    assert Waves.of_field(small).full_energy == pytest.approx(expected, rel=1e-9)
 
 
 def test_distributions_hold_the_area_the_load_and_every_patch(measured):
@@ -276,18 +226,6 @@ def synthetic_edge(*, value, slope, bend):
         slope=each * (slope - bend * eps / 3),
         contour=each * slope * (1 - 3 * spacing),
     )
-
-
-def test_the_bend_of_the_distribution_is_no_density_at_zero():
-    data = synthetic_edge(value=0.0, slope=2.0, bend=6.0)
-    assert np.abs(data.initial_density_each).max() < 1e-12
-    assert float(data.isel(method=0).initial_density_straight) > 0.002
-    assert float(data.isel(method=0).initial_slope_window) == pytest.approx(2.0, rel=1e-9)
-    assert float(data.isel(method=0).initial_slope_contour) == pytest.approx(2.0, rel=1e-9)
-    density, _, ways, _ = stress_near_zero.views(data).findings
-    assert (density.outcomes, ways.outcomes) == (("0",), ("agree",))
-    finite = synthetic_edge(value=0.05, slope=2.0, bend=6.0)
-    assert stress_near_zero.views(finite).findings[0].outcomes == ("+",)
 
 
 @pytest.mark.slow

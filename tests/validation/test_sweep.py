@@ -254,15 +254,6 @@ def test_a_product_runs_its_last_key_fastest_and_a_zip_runs_side_by_side(small_s
     assert side.place(1) == "seed = 4, young = 3 MPa"
 
 
-def test_a_zip_has_its_keys_along_one_dimension(small_scene, tmp_path):
-    settings = ["sweep.seed=[3, 4]", "sweep.young=['1 MPa', '3 MPa']", "sweep.mode=zip"]
-    sweep = load_asked(small_scene, [*settings, "methods.bem.shifts=1", "methods.bem.grids=[12, 24]"])
-    data = run_sweep(sweep, tmp_path, report=False).data
-    assert data["area"].dims == ("case",)
-    assert data["young"].dims == ("case",)
-    assert not (tmp_path / "report.html").exists()
-
-
 def test_solves_that_cases_share_are_done_once(small_scene):
     sweep = load_asked(small_scene, ["sweep.methods.bem.grids=[[12, 24], [12, 24, 48]]"])
     explanation = explain_sweep(sweep)
@@ -290,14 +281,6 @@ def test_a_surface_of_many_points_is_told_by_its_spectrum_only_where_it_is_not_p
     assert [problem.drawn for problem in problems_of(load_sweep, surveyed=True)] == [False] * 4
     monkeypatch.setattr("validation.scenes.surfaces.sampled", None)
     assert len(explain_sweep(load_sweep).cases) == 4
-
-
-def test_a_sweep_of_the_theory_alone_has_its_areas(tmp_path):
-    sweep = load_asked("polished-steel", ["load.pressure=1 MPa", "sweep.solid.young=['100 GPa', '200 GPa']"])
-    data = run_sweep(sweep, tmp_path, report=False).data
-    alone = run_scene(sweep.scenes[1], tmp_path / "one", report=False).data
-    assert float(data["area_ensemble"].sel(young=2e11)) == float(alone.area_ensemble.item())
-    assert "area" not in data
 
 
 def test_a_key_is_set_with_units_by_its_name_or_its_last_word(small_scene):

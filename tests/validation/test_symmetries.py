@@ -99,7 +99,7 @@ def in_si(tmp_path_factory):
     return yielding(tmp_path_factory.mktemp("si"), 1.0, 1.0)
 
 
-@pytest.mark.parametrize(("length", "pressure"), [(2.0**20, 1.0), (1.0, 2.0**-30), (2.0**-10, 2.0**20)])
+@pytest.mark.parametrize(("length", "pressure"), [(2.0**20, 1.0), (1.0, 2.0**-30)])
 def test_every_number_scales_by_its_unit(in_si, tmp_path, length, pressure):
     assert_scaled(in_si, yielding(tmp_path, length, pressure), length, pressure)
 
@@ -114,19 +114,6 @@ def test_every_number_of_a_sweep_scales_by_its_unit(tmp_path):
         return run_sweep(sweep, tmp_path / name, report=False).data
 
     assert_scaled(data("before", 1.0, 1.0), data("after", 2.0**20, 2.0**-30), 2.0**20, 2.0**-30)
-
-
-@pytest.mark.parametrize("study", ["area", "magnification"])
-def test_every_number_of_a_study_scales_by_its_unit(tmp_path, bench, study):
-    def data(length, pressure):
-        methods = {"bem": {"grids": [[32, 16], [48, 24], [64, 32]]}}
-        path = tmp_path / f"{length}.toml"
-        path.write_text(toml(scaled_tables(length, pressure, methods=methods)))
-        options = STUDIES[f"{study} on a scene"] | {"scene": str(path)}
-        chosen = find_study(study)
-        return chosen.compute(chosen.options(**options), bench=bench)
-
-    assert_scaled(data(1.0, 1.0), data(2.0**20, 2.0**-30), 2.0**20, 2.0**-30)
 
 
 TURNED = {

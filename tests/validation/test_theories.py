@@ -6,15 +6,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from numpy.testing import assert_allclose, assert_array_equal
+from numpy.testing import assert_array_equal
 
 from persson.elastic import KAPPA_BGT, contact_area, stress_variance
 from validation import theories as registry
 from validation.errors import UsageError
-from validation.execution.bench import Bench
 from validation.measurements.common import base_case, base_surface
 from validation.registry import found_in
-from validation.studies import find_study, theory_verdict
 from validation.theories import Rough, Theory, find_theory, theories
 
 SMALL = {"periods": 1.6, "bandwidth": 2.5, "surfaces": 2, "points_per_wave": (4.0, 6.0)}
@@ -74,43 +72,6 @@ def test_asperities_begin_with_the_linear_law_and_leave_it_soon(rough):
     assert ratio[-1] < 0.75
     gap = full.mean_gap(pressure, rough)
     assert np.all(np.diff(gap) < 0)
-
-
-def test_a_user_s_own_area_is_scored_beside_the_theory(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    written(
-        """
-        import numpy as np
-        from scipy.special import erf
-
-        def area(pressure, *, contact_modulus, moments):
-            return erf(np.sqrt(2) * pressure / (contact_modulus * moments.rms_gradient))
-
-        def half(pressure, *, spectrum):
-            return np.full(pressure.shape, 0.5) * (spectrum.q_short > spectrum.q_long)
-        """
-    )
-    options = theory_verdict.Options(
-        reduced_pressures=(0.02, 0.1),
-        ladder_reduced_pressures=(),
-        theory=("my_theory:area", "my_theory:half", "carbone-bottiglione"),
-        **SMALL,
-    )
-    data = theory_verdict.run(options, bench=Bench.at(tmp_path / "solves"))
-    assert data.theory.values[4:].tolist() == [
-        *("my_theory:area", "my_theory:half", "Carbone, Bottiglione 2008")
-    ]
-    area = data.area_over.transpose("theory", "load")
-    # It is Persson's theory again, in the user's words.
-    assert_allclose(area[4], area[0], rtol=1e-12)
-    assert_allclose(area[5], 2 * area[0] * data.area_persson, rtol=1e-12)
-    assert np.isfinite(area).all()
-    gap = data.gap_over.transpose("theory", "load")
-    assert np.isnan(gap[4:6]).all()
-    assert np.isfinite(gap[6]).any()
-    order = theory_verdict.views(data).findings[0]
-    assert "my_theory:half" in {row["name"].value for row in order.rows}
-    assert find_study("theory-verdict").figures(data)
 
 
 @pytest.mark.parametrize(

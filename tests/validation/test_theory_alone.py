@@ -10,7 +10,7 @@ from commanding import answer_of, output_of
 from processes import run_python
 from small_scene import scene_in
 
-from persson import CapillaryWaves, Scale, SelfAffine, constant_hardness, contact_area
+from persson import CapillaryWaves, Scale, SelfAffine, constant_hardness
 from validation.comparison.explain import explain, roughness_of
 from validation.comparison.run import report_scene, run_scene
 from validation.effects.base import Roughness
@@ -84,21 +84,6 @@ def with_effect(text, effect):
     return f"{text}\n[[effects]]\n{effect}\n"
 
 
-def test_tire_rim_gives_the_paper_s_area():
-    areas = {answer.pressure: answer.area[-1] for answer in answers(load_scene("tire-rim"))}
-    assert areas[5e5] == pytest.approx(0.4355, abs=2e-4)
-
-
-def test_steel_yields_and_pyrex_sticks_only_after_squeezing():
-    steel = answers(load_scene("polished-steel"))
-    assert steel[1].area_plastic[-1] == pytest.approx(10e6 / 2e9, rel=0.01)
-    (before,) = answers(load_scene("pyrex"))
-    (after,) = answers(load_scene("pyrex-squeezed"))
-    assert before.area[-1] == 0
-    assert after.area[-1] > 0.9
-    assert after.macroscopic_work / 0.43 == pytest.approx(0.45, abs=0.02)
-
-
 def test_scenes_say_the_spectra_of_the_paper():
     from validation.paper import systems
 
@@ -138,16 +123,6 @@ def test_every_effect_and_every_reading_changes_the_result(scene):
         assert abs(other.area[-1] / improved.area[-1] - 1) > 10 * improved.error_estimate, reading
 
 
-def test_a_hardness_that_rises_with_exponent_zero_is_the_constant_one(scene):
-    constant = 'kind = "hardness"\nhardness = "5 MPa"'
-    (closed,) = answers(scene(with_effect(RIM, constant)))
-    (solved,) = answers(
-        scene(with_effect(RIM, f'{constant}\nsize_wavelength = "0.6 um"\nsize_exponent = 0.0'))
-    )
-    # The solution of the diffusion equation states its own error.
-    assert np.abs(solved.area - closed.area).max() < 10 * solved.error_estimate < 1e-4
-
-
 def test_the_theory_alone_speaks_in_the_units_of_its_scene(scene, tmp_path):
     asked = scene(RIM, ('"10 MPa"', '"10000 kPa"'), ('"0.5 MPa"', '["2 bar", "5 bar"]'))
     outputs = run_scene(asked, tmp_path / "results")
@@ -171,16 +146,6 @@ def test_of_more_than_four_loads_the_table_has_the_rest(scene, tmp_path, loads):
     many = scene(RIM, ('pressure = "0.5 MPa"', f"pressure = {[1e5 * (k + 1) for k in range(loads)]}"))
     found = run_scene(many, tmp_path / "out", report=False).page.findings
     assert any(f"The table has {loads - 4} more loads." in text for text in found) == (loads > 4)
-
-
-def test_without_a_surface_reduced_pressure_counts_in_the_gradient_of_the_spectrum(scene):
-    loaded = scene(RIM, ('pressure = "0.5 MPa"', "reduced_pressure = [0.01, 0.1]"))
-    exact = SelfAffine.from_rms_height(5e-7, hurst=0.8, q_long=1e5, q_short=1e10)
-    unit = 1e7 / 0.75 * exact.moments().rms_gradient
-    assert [answer.pressure / unit for answer in answers(loaded)] == pytest.approx([0.01, 0.1], rel=1e-12)
-    variance = float(Scale(exact, contact_modulus=1e7 / 0.75).variance(1e10))
-    areas = [answer.area[-1] for answer in answers(loaded)]
-    assert areas == pytest.approx([contact_area(p * unit, stress_variance=variance) for p in (0.01, 0.1)])
 
 
 def test_no_surface_is_drawn_for_the_theory_alone(scene, monkeypatch, tmp_path):
@@ -404,18 +369,6 @@ def test_where_the_theory_has_no_answer_the_row_says_why(scene, tmp_path, monkey
     assert "the theory has no answer: tension beyond what holds" in outputs.page.findings[0]
     assert np.isnan(outputs.data.area_ensemble.item())
     assert outputs.page.answers[0].answer == "no answer"
-
-
-@pytest.mark.parametrize("name", APPLICATIONS)
-def test_an_application_is_explained_with_its_spectrum(name):
-    said = explain(load_scene(name))
-    assert said.grids == ()
-    assert (said.seconds, said.peak_bytes) == (0, 0)
-    words = "\n".join(part for part in said.parts() if isinstance(part, str))
-    assert "none is drawn, for no solver runs; all that follows is that of C(q)" in words
-    assert "No solver runs" in words
-    assert {"a solver", "finite slopes"} <= {item.effect for item in said.left_out}
-    assert said.effects
 
 
 def test_the_command_line_runs_lists_and_plans_them(tmp_path, monkeypatch):

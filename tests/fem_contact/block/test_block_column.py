@@ -176,13 +176,3 @@ def test_trilinear_elements_lock_where_the_projected_ones_do_not():
     free = wave_error(ELEMENTS["Hex1/P0"], 0.49, nodes=16, growth=1.2)
     assert locked < -0.1
     assert abs(free) < 0.015
-
-
-def test_response_protocol_agrees_with_the_operator_at_every_wavevector():
-    mesh = plan_mesh((10, 7), (2e-6, 1.4e-6))
-    response = BlockResponse(mesh=mesh, solid=Solid(young=2e9, poisson=0.3), width=2e-7)
-    qx = 2 * np.pi * np.fft.fftfreq(10, 2e-7)
-    qy = 2 * np.pi * np.fft.rfftfreq(7, 2e-7)
-    table = response.compliance(qx[:, None], qy[None, :])
-    assert_allclose(table, surface_operator(response).compliance, rtol=1e-13)
-    assert response.compliance(qx[:, None], qy[None, :]).shape == (10, 4)
