@@ -11,12 +11,14 @@ from __future__ import annotations
 import atexit
 import builtins
 import contextlib
+import io
 import math
 import os
 import pickle
 import signal
 import subprocess
 import sys
+import tempfile
 import threading
 import time
 from collections.abc import Callable, Iterator
@@ -43,8 +45,6 @@ class OutOfBounds(Exception):
 class Child:
     """A child process, started by the first call and anew after one that was ended.
 
-    Its standard error goes to `stderr`, as `subprocess` has it.
-
     Examples
     --------
     >>> import math
@@ -53,11 +53,11 @@ class Child:
     6
     """
 
-    def __init__(self, *, stderr: IO[bytes] | int = subprocess.DEVNULL) -> None:
+    def __init__(self) -> None:
         self._lock = threading.Lock()
         self._process: subprocess.Popen[bytes] | None = None
         self._connection: Connection[Any, Any] | None = None
-        self._stderr = stderr
+        self._stderr: IO[bytes] = io.BytesIO()
         self._owner = os.getpid()
         #: Of the process that was started last, and whether the function of the last call was imported.
         self.pid, self.begun = 0, False
@@ -103,6 +103,8 @@ class Child:
         if self._connection is not None and not self._connection.poll():
             return
         self._end()
+        self._stderr.close()
+        self._stderr = tempfile.TemporaryFile()  # noqa: SIM115 -- as long as the process
         ours, theirs = Pipe()
         # In a notebook the folder it is in is "".
         path = os.pathsep.join(entry or os.getcwd() for entry in sys.path)
@@ -137,6 +139,14 @@ class Child:
         with self._lock:
             if self._owner == os.getpid():
                 self._end()
+                self._stderr.close()
+
+    def last_words(self) -> str:
+        """Return the last line on its standard error, in brackets; nothing if it was silent."""
+        self._stderr.seek(0)
+        lines = self._stderr.read()[-2000:].decode(errors="replace").split("\n")
+        last = next((line.strip() for line in reversed(lines) if line.strip()), "")
+        return f" ({last[:200]})" if last else ""
 
     def __enter__(self) -> Self:
         return self

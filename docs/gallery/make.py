@@ -19,7 +19,7 @@ from pathlib import Path
 from PIL import Image
 
 from validation.execution.bench import Bench, Execution
-from validation.execution.outputs import Outputs, show
+from validation.execution.results import Outputs, show
 from validation.files import prepare_folder
 from validation.reference import table
 from validation.report.figure import save_figure

@@ -25,8 +25,7 @@ from validation.comparison.pages import result_page
 from validation.comparison.run import report_scene, run_scene
 from validation.comparison.run_views import run_views
 from validation.execution.bench import Bench
-from validation.execution.outputs import show
-from validation.execution.results import read_results, record_of
+from validation.execution.results import read_results, record_of, show
 from validation.report.estimates import total_error
 from validation.report.figure import new_figure, readable_ticks, save_figure
 from validation.report.findings import note

@@ -11,10 +11,10 @@ from validation.sandbox import OutOfBounds
 @pytest.mark.parametrize("words", ["crashed its process (SIGSEGV)", "took more than 120 s"])
 def test_a_renderer_that_dies_or_hangs_leaves_a_word_and_no_file(tmp_path, monkeypatch, words):
     def ends(worker, *_, **bounds):
-        worker.stderr.write(b"libGL.so.1: cannot open shared object file\n")
+        worker._stderr.write(b"libGL.so.1: cannot open shared object file\n")
         raise OutOfBounds(words)
 
-    monkeypatch.setattr(pages.Worker, "call", ends)
+    monkeypatch.setattr(pages.Child, "call", ends)
     picture, missing = pages.render_stored(tmp_path / "solve.nc", label="BEM 8 x 8")
     assert picture is None
     assert words in missing

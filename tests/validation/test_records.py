@@ -12,8 +12,7 @@ from validation.errors import RunFailed, UsageError
 from validation.execution import store as store_module
 from validation.execution.attempt import attempt
 from validation.execution.bench import Bench
-from validation.execution.outputs import show
-from validation.execution.results import read_results, write_results
+from validation.execution.results import read_results, show, write_results
 from validation.execution.store import Store, read_numbers, write_numbers
 from validation.files import prepare_folder, read_record, write_record
 from validation.studies import area, find_study

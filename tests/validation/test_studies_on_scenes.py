@@ -13,10 +13,11 @@ from fem_contact.response import HalfSpace
 from fem_contact.surface import HeightField, random_surface
 from validation.audit import audit
 from validation.errors import UsageError
-from validation.execution.outputs import show
 from validation.execution.press import solves_of
+from validation.execution.results import show
 from validation.measurements.measurement import truncated_heights
 from validation.scenes.problem import realise
+from validation.scenes.scene import load_scene
 from validation.solvers.theory import predict
 from validation.studies import (
     area,
@@ -154,6 +155,13 @@ def test_a_measured_map_without_its_short_waves_is_a_lower_magnification(scene, 
     whole = np.abs(np.fft.fft2(measured(tmp_path).resampled(GRIDS[0]).heights))
     kept = (q > 0) & (q < last)
     np.testing.assert_allclose(waves[kept], whole[kept], atol=1e-9 * whole.max())
+
+
+@pytest.mark.parametrize("name", ["quickstart", "ground"])
+def test_a_surface_that_lost_no_wave_is_itself(name):
+    case = realise(load_scene(name))
+    whole, heights = truncated_heights(case, (64, 64), truncation=1e9), case.heights((64, 64))
+    np.testing.assert_allclose(whole.heights, heights.heights, atol=1e-12 * heights.rms_height)
 
 
 def test_a_scene_is_refined_on_other_grids_than_its_own_and_on_one_surface(scene):

@@ -7,8 +7,7 @@ from planted import decided
 from solving import persson_area
 
 from validation.errors import UsageError
-from validation.execution.outputs import show
-from validation.execution.results import write_results
+from validation.execution.results import show, write_results
 from validation.measurements.load_path import moved_shares
 from validation.studies import find_study, hurst, magnification, pressure, theory_verdict
 from validation.studies._outputs import study_page

@@ -6,6 +6,7 @@ import json
 import math
 import os
 import re
+import shutil
 import sys
 from pathlib import Path
 
@@ -31,6 +32,7 @@ from validation.errors import UsageError
 from validation.execution.bench import Bench
 from validation.execution.press import run_solves
 from validation.report.estimates import claim
+from validation.report.page import clear_page
 from validation.scenes.problem import realise
 from validation.scenes.scene import load_scene
 from validation.scenes.sweep import load_asked
@@ -610,6 +612,13 @@ def test_the_treatment_of_a_map_is_in_its_budget_beside_what_the_interval_holds(
     judged = [one for one in audit(outputs.folder).entries if "treatment [%]" in one.name]
     assert len(judged) > 2
     assert all(one.agrees for one in judged)
+
+
+def test_the_next_page_leaves_no_table_of_a_map(treated, tmp_path):
+    folder = Path(shutil.copytree(treated[1].folder, tmp_path / "results"))
+    assert (folder / "treatment.csv").exists()
+    clear_page(folder)
+    assert not list(folder.glob("*.csv"))
 
 
 def test_the_page_says_the_budget_and_that_the_premise_is_judged(treated):

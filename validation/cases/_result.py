@@ -14,8 +14,7 @@ import numpy as np
 
 from validation.arrays import padded
 from validation.cases import TOLERANCES, Check, Verdict
-from validation.execution.outputs import Outputs, leave
-from validation.execution.results import Result
+from validation.execution.results import Outputs, Result, leave
 from validation.report.estimates import derive, gather, power_law
 from validation.report.figure import COLOURS, SYMBOLS
 from validation.report.findings import Finding, finding, note

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from validation.cli.options import WIDE, print_json, show, terminal_width
 from validation.errors import harmless
-from validation.execution.outputs import Outputs
+from validation.execution.results import Outputs
 from validation.report.table import WordTable
 
 if TYPE_CHECKING:

@@ -163,8 +163,7 @@ def report(
 ) -> None:
     """Write the report of finished results again, from what is stored."""
     from validation.cli.progress import under_way
-    from validation.execution.outputs import show
-    from validation.execution.results import check_results, record_of
+    from validation.execution.results import check_results, record_of, show
 
     check_results(folder)
     kind = str(record_of(folder).get("kind"))

@@ -21,7 +21,7 @@ from validation.comparison.run import run_scene
 from validation.effects.base import effect_key
 from validation.errors import UsageError
 from validation.execution.bench import Bench
-from validation.execution.outputs import Outputs
+from validation.execution.results import Outputs
 from validation.execution.solve import memory_words
 from validation.files import prepare_folder
 from validation.measurements.ensemble import MeanArea

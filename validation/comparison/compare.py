@@ -17,8 +17,7 @@ import scipy.special
 import xarray as xr
 
 from validation.errors import UsageError
-from validation.execution.outputs import Outputs, leave
-from validation.execution.results import RECORD, Result, read_results, record_of
+from validation.execution.results import RECORD, Outputs, Result, leave, read_results, record_of
 from validation.files import prepare_folder
 from validation.report.estimates import NORMAL, claim_surfaces, derive, each, total_error
 from validation.report.findings import Finding, finding, note

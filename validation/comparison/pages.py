@@ -13,11 +13,11 @@ from validation.comparison.run_views import run_views
 from validation.comparison.sweep_views import sweep_views
 from validation.comparison.theory_alone import theory_views
 from validation.errors import UsageError
-from validation.execution.pool import Worker
 from validation.execution.results import Result
 from validation.report.page import Page, Picture, page_of
 from validation.report.papers import CITED_FOR
 from validation.report.quantities import as_length, in_prefixed_unit, in_shown_unit, quantity_of
+from validation.sandbox import Child
 from validation.scenes.problem import ContactProblem
 from validation.scenes.scene import Scene
 
@@ -129,7 +129,7 @@ def render_stored(solve: Path, *, label: str) -> tuple[Picture | None, str]:
     It is done in a process of its own: without a display or a graphics driver the renderer may not only fail
     but take its process with it.
     """
-    with tempfile.TemporaryDirectory() as folder, Worker() as worker:
+    with tempfile.TemporaryDirectory() as folder, Child() as worker:
         image = Path(folder) / "surface-3d.png"
         try:
             worker.call(_render, solve, image, seconds=_PATIENCE)

@@ -23,10 +23,9 @@ from validation.comparison.theory_alone import theory_data
 from validation.comparison.treatment import with_treatment
 from validation.errors import RunFailed
 from validation.execution.bench import Bench, Solves
-from validation.execution.outputs import Outputs, leave, show
 from validation.execution.press import Press, run_solves
 from validation.execution.provenance import SOLVES_MADE, made_words
-from validation.execution.results import clear_results, record_of
+from validation.execution.results import Outputs, clear_results, leave, record_of, show
 from validation.files import atomic_path, locked, prepare_folder
 from validation.report.estimates import gather
 from validation.report.page import clear_page

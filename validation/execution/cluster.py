@@ -9,12 +9,12 @@ from __future__ import annotations
 import contextlib
 import logging
 import math
-import queue
 import socket
 import threading
 import time
 import uuid
 from collections.abc import Iterator, Mapping, Sequence
+from concurrent.futures import Future
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -143,13 +143,13 @@ def _connected(address: str) -> Iterator[Any]:
         raise UsageError(
             f"--scheduler = {address!r}: needs Dask; install it with: pip install 'fem-contact[cluster]'"
         ) from None
-    answers: queue.SimpleQueue[Any] = queue.SimpleQueue()
+    answer: Future[Any] = Future()
 
     def connect() -> None:
         try:
-            answers.put(Client(address, timeout=_CONNECTS_WITHIN / 3, set_as_default=False))
+            answer.set_result(Client(address, timeout=_CONNECTS_WITHIN / 3, set_as_default=False))
         except Exception as error:  # Dask raises what its parser makes of bytes that are no scheduler's
-            answers.put(error)
+            answer.set_exception(error)
 
     # Its log means what is said here in a sentence.
     loggers = [logging.getLogger(name) for name in ("distributed", "distributed.client", "distributed.comm")]
@@ -160,15 +160,13 @@ def _connected(address: str) -> Iterator[Any]:
         # Dask itself waits for ever for one that takes the connection and says nothing.
         threading.Thread(target=connect, daemon=True).start()
         try:
-            client = answers.get(timeout=_CONNECTS_WITHIN)
-        except queue.Empty:
-            client = TimeoutError(f"silent for {_CONNECTS_WITHIN:.0f} s")
-        if isinstance(client, Exception):
-            reason = str(client).partition("\n")[0] or type(client).__name__
+            client = answer.result(timeout=_CONNECTS_WITHIN)
+        except Exception as error:
+            reason = str(error).partition("\n")[0] or f"silent for {_CONNECTS_WITHIN:.0f} s"
             raise UsageError(
                 f"--scheduler = {address!r}: no scheduler answers there ({reason}); start one with: dask "
                 "scheduler; of TLS, Dask's configuration names both certificates (docs/bench.md)"
-            )
+            ) from None
         try:
             yield client
         finally:

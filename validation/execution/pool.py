@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import tempfile
 import time
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
@@ -100,34 +99,12 @@ def scheduled(
                     yield solve, Outcome(error=f"{solve.describe()}: {why}{death}: {cause}")
 
 
-class Worker(Child):
-    """A child process whose last line is kept, for the message if it dies."""
-
-    def __init__(self) -> None:
-        self.stderr = tempfile.TemporaryFile()  # noqa: SIM115 -- as long as the worker
-        super().__init__(stderr=self.stderr)
-
-    def close(self) -> None:
-        """End the process, and forget what it wrote."""
-        super().close()
-        self.stderr.close()
-
-    def last_words(self) -> str:
-        """Return the last line that it wrote, in brackets, and forget it; nothing if it was silent."""
-        self.stderr.seek(0)
-        lines = self.stderr.read()[-2000:].decode(errors="replace").split("\n")
-        self.stderr.seek(0)
-        self.stderr.truncate()
-        last = next((line.strip() for line in reversed(lines) if line.strip()), "")
-        return f" ({last[:200]})" if last else ""
-
-
 class _Processes:
     """Processes of one thread each, whose solves fit into memory together."""
 
     def __init__(self, store: Store, count: int, *, memory: int) -> None:
         self.store, self.memory = store, memory - count * _IDLE_BYTES
-        self.workers = [Worker() for _ in range(count)]
+        self.workers = [Child() for _ in range(count)]
         self.idle = list(self.workers)
         self.threads, self.ending = ThreadPoolExecutor(count), False
 

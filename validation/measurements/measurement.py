@@ -125,12 +125,14 @@ def _recipe(
     """Name what is read off, too: a stored result that lacks a number is another one."""
     if not made["effects"]:
         del made["effects"]
+    # A surface that is cut has its lay; solves of before had lost it.
+    lay = ["lay"] if "truncation" in made and "stretch" in made["surface"] else []
     return {
         "truncation": None,
         **made,
         "kind": _KINDS[keep],
         "reduced_pressures": list(reduced_pressures or (reduced_load(problem),)),
-        "quantities": sorted([*quantities_of(keep), "cells", LOCATED_EDGES]),
+        "quantities": sorted([*quantities_of(keep), "cells", LOCATED_EDGES, *lay]),
     }
 
 

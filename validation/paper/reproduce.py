@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
-from validation.execution.outputs import Outputs, leave
+from validation.execution.results import Outputs, leave
 from validation.paper.claims import judge
 from validation.paper.figures import FIGURES
 from validation.paper.general import GENERAL, STEEL

@@ -11,9 +11,8 @@ import numpy as np
 
 from fem_contact.extrapolation import LEAST_CONTACT_POINTS
 from validation.effects import effect_kinds
-from validation.execution.outputs import Outputs, leave
 from validation.execution.provenance import SOLVES_MADE, made_words
-from validation.execution.results import Result
+from validation.execution.results import Outputs, Result, leave
 from validation.report.estimates import derive, each, sources_of, total_error
 from validation.report.page import Page, page_of
 from validation.report.papers import CITED_FOR
