@@ -106,8 +106,9 @@ def test_problems_say_everything_but_what_they_are(problems):
         heights = np.load(place / "heights.npy")
         np.testing.assert_array_equal(np.loadtxt(place / "heights.txt"), heights)
         assert list(heights.shape) == said["shape"]
-        numbers = np.loadtxt(place / "parameters.txt")
-        assert numbers[5] == said["mean_pressure_Pa"]
+        physical = (said[name] for name in ("contact_modulus_Pa", "mean_pressure_Pa", "tolerance"))
+        numbers = [*said["shape"], *said["lengths_m"], *physical]
+        assert np.loadtxt(place / "parameters.txt").tolist() == numbers
         words = json.dumps(said).lower()
         assert not any(name in words for name in ("hertz", "westergaard", "honesty", "symmetry", "rough-"))
 

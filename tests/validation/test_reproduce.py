@@ -109,8 +109,9 @@ def test_the_literal_convention_wins_a_tie_and_a_choice_is_never_called_reproduc
 def test_a_claim_is_computed_once_where_no_convention_enters():
     calls = []
     one = claim("f", 0, 2, lambda: calls.append(1) or 1.0, fixed=True)
-    judge(replace(TOY, claims=(one,)))
-    assert len(calls) == 1
+    told = []
+    judge(replace(TOY, claims=(one,)), tell=told.append)
+    assert (len(calls), told) == (1, ["f"])
 
 
 def test_what_is_written_and_not_computed_is_refused():
