@@ -23,11 +23,14 @@ from validation.studies._outputs import run_study
 
 
 @pytest.fixture(scope="module")
-def results(small_run, tmp_path_factory):
+def results(small_run, once, tmp_path_factory):
     """Two runs of the small scene with other Hurst exponents, two studies, a sweep, all in one folder."""
+    return once("results to compare", lambda: _results(small_run, tmp_path_factory.mktemp("beside")))
+
+
+def _results(small_run, folder):
     from .conftest import _written
 
-    folder = tmp_path_factory.mktemp("beside")
     shutil.copytree(small_run.folder, folder / "first")
     scene = str(_written(folder, fem=False))
     run_scene(load_asked(scene, ["surface.hurst=0.9"]), folder / "other", report=False)

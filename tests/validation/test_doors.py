@@ -90,14 +90,18 @@ def only(first, second):
 
 
 @pytest.fixture(scope="module", params=MORE)
-def doors(request, tmp_path_factory):
+def doors(request, once, tmp_path_factory):
     """One scene by every command that solves, in a folder of its own each."""
-    folder = tmp_path_factory.mktemp("doors")
+    name = request.param
+    return once(f"doors of {name}", lambda: _by_every_door(name, tmp_path_factory.mktemp("doors")))
+
+
+def _by_every_door(case, folder):
     scene = folder / "scene.toml"
-    scene.write_text(small_scene("[methods.theory]\n") + MORE[request.param])
+    scene.write_text(small_scene("[methods.theory]\n") + MORE[case])
     for name in ("run", "again"):
         output_of(f"run {scene} --output {folder / name} --quiet --no-report")
-    several = request.param == "several"
+    several = case == "several"
     if several:
         output_of(f"compare {folder / 'run'} {folder / 'again'} --output {folder / 'compare'} --no-report")
     for mode in ("product", "zip") if several else ("product",):
