@@ -19,8 +19,8 @@ from validation.execution.results import Result, read_results
 from validation.paper import pmma, reproduce, rim
 from validation.paper.claims import Application, Claim, Stated, application, judge, written
 from validation.paper.figures import FIGURES
-from validation.paper.page import paper_dataset, paper_page
 from validation.paper.pmma import PMMA
+from validation.paper.reproduce import paper_dataset, paper_page
 from validation.paper.rim import RIM
 
 #: Number and verdict of each claim, and what is drawn of each figure.

@@ -245,7 +245,7 @@ def test_along_a_scale_the_power_is_that_of_the_numbers_with_its_interval(swept)
 def test_a_product_runs_its_last_key_fastest_and_a_zip_runs_side_by_side(small_scene):
     lists = ["sweep.surface.seed=[3, 4]", "sweep.solid.young=['1 MPa', '3 MPa']"]
     product = load_asked(small_scene, lists)
-    assert product.shape == (2, 2)
+    assert [len(key.values) for key in product.keys] == [2, 2]
     pairs = [(scene.surface.seed, scene.solid.young) for scene in product.scenes]
     assert pairs == [(3, 1e6), (3, 3e6), (4, 1e6), (4, 3e6)]
     assert product.place(2) == "seed = 4, young = 1 MPa"
@@ -401,7 +401,7 @@ def test_the_sweep_in_the_docs_can_be_run(tmp_path):
     page = (Path(__file__).parents[2] / "docs" / "bench.md").read_text()
     (block,) = [text for text in page.split("```toml\n") if text.startswith("[sweep]")]
     sweep = scene_in(tmp_path, scene_text("hardness")[0] + "\n" + block.partition("```")[0])
-    assert sweep.shape == (5, 2)
+    assert [len(key.values) for key in sweep.keys] == [5, 2]
     problems_of(sweep)
 
 

@@ -141,14 +141,10 @@ class Stored:
         return float(sum(np.sum(c != np.roll(c, 1, axis)) for axis in (0, 1)) / c.size)
 
     @property
-    def edge_constant(self) -> float:
-        """The constant that belongs to the discretisation."""
-        return EDGE_CONSTANTS[self.provenance.get("element", "bem free" if self.free else "bem")]
-
-    @property
     def perimeter(self) -> float:
         """Counted area less the edge constant for each edge."""
-        return self.pixel - self.edge_constant * self.edges
+        constant = EDGE_CONSTANTS[self.provenance.get("element", "bem free" if self.free else "bem")]
+        return self.pixel - constant * self.edges
 
     @property
     def located(self) -> bool:

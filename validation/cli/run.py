@@ -44,7 +44,6 @@ def run(
     scene, in its table 'run'.
     """
     from validation.execution.bench import Bench
-    from validation.execution.store import Store
     from validation.scenes.sweep import Sweep, load_asked
 
     loaded = load_asked(scene, settings or (), grids_chosen=accuracy is not None)
@@ -67,15 +66,15 @@ def run(
     with options.naming(scene):
         drawn = with_report and (how.pictures if pictures is None else pictures)
         solves, solve = _prepared(loaded, folder, chosen=chosen, pictures=drawn)
-    stored = Store(folder=store_folder)
     if dry_run:
-        options.print_plan(solves(), stored, as_json=as_json)
+        options.print_plan(solves(), Bench.at(store_folder).store, as_json=as_json)
         return
     from validation.cli.progress import Bar
     from validation.cli.results import print_outputs
 
     with Bar(quiet=quiet or how.quiet or as_json) as bar:
-        outputs = solve(bench=Bench(store=stored, execution=execution, progress=bar), report=with_report)
+        bench = Bench.at(store_folder, execution=execution, progress=bar)
+        outputs = solve(bench=bench, report=with_report)
     line = f"Solves done: {outputs.solved}, found finished: {outputs.reused}. Written:"
     print_outputs(outputs, as_json=as_json, done=line)
     outputs.check()
@@ -183,6 +182,6 @@ def report(
 #: Who makes the page of what is no scene.
 _PAGES = {
     "claims": "validation.cases._result:claims_page",
-    "paper": "validation.paper.page:paper_page",
+    "paper": "validation.paper.reproduce:paper_page",
     "study": "validation.studies._outputs:study_page",
 }

@@ -74,7 +74,6 @@ def study(
     solves in results/solves, so that they share them, unless --store says otherwise.
     """
     from validation.execution.bench import DEFAULT_STORE, Bench, PlannedOnly
-    from validation.execution.store import Store
     from validation.files import prepare_folder
     from validation.scenes.tables import RunOptions
     from validation.studies import find_study, studies
@@ -99,10 +98,11 @@ def study(
     folder = output or Path("results") / (name if loaded is None else f"{name}-{loaded.name}")
     store_folder = store or how.folder("store") or DEFAULT_STORE
     if dry_run:
+        bench = Bench.at(store_folder, plan_only=True)
         try:
-            chosen.compute(parsed, bench=Bench(store=Store(folder=store_folder), plan_only=True))
+            chosen.compute(parsed, bench=bench)
         except PlannedOnly as plan:
-            options.print_plan(plan.args, Store(folder=store_folder), as_json=as_json)
+            options.print_plan(plan.args, bench.store, as_json=as_json)
             if getattr(parsed, "ladders", False):
                 options.say("--no-ladders leaves out what is solved for the budget alone", prefix="note: ")
             if "bem" in (others := getattr(parsed, "methods", ())) and len(others) > 1:
@@ -114,7 +114,7 @@ def study(
     from validation.cli.results import print_outputs
 
     with Bar(quiet=quiet or how.quiet or as_json) as bar:
-        bench = Bench(store=Store(folder=store_folder), execution=execution, progress=bar)
+        bench = Bench.at(store_folder, execution=execution, progress=bar)
         outputs = run_study(chosen, parsed, prepare_folder(folder), bench=bench, report=with_report)
     print_outputs(outputs, as_json=as_json)
     outputs.check()

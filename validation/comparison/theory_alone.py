@@ -52,7 +52,8 @@ def theory_data(scene: Scene, problem: ContactProblem) -> xr.Dataset:
     absent = {"surfaces": "it is of C(q)", "grid": "nothing is solved", "solver": "nothing is solved"}
     data = claim(data, "area_ensemble", theory=error, **absent)
     words = theory_words(inputs, scene.methods.options("theory"))
-    told = about(scene, problem) | {"theory": words, "drawn": int(problem.has_heights)}
+    there = problem.drawn or problem.measured is not None
+    told = about(scene, problem) | {"theory": words, "drawn": int(there)}
     return labelled(data, scene.given).assign_attrs(told)
 
 

@@ -121,9 +121,13 @@ class Finding:
         sources = {value.sources for value in printed}
         once = len(printed) > 1 and len(sources) == 1 and "" not in sources
 
+        rule, verdicts = KINDS[self.kind][0], {**KINDS[self.kind][1], **self.words}
+
         def said(values: Mapping[str, Value]) -> dict[str, Any]:
             plain = {n: replace(v, sources="") if once else v for n, v in values.items()}
-            return plain | ({"verdict": self._verdict(values[self.by])} if self.by in values else {})
+            if rule is None or self.by not in values:
+                return plain
+            return plain | {"verdict": verdicts[rule(values[self.by])]}
 
         whole = said(self.values)
         # A verdict that rows begin with is said once, with the words up to their first number.
@@ -152,11 +156,6 @@ class Finding:
         rule = KINDS[self.kind][0]
         decided = (self.values,) if self.by in self.values else self.rows
         return tuple(rule(values[self.by]) for values in decided) if rule and self.by else ()
-
-    def _verdict(self, value: Value) -> str:
-        rule, words = KINDS[self.kind]
-        assert rule is not None, f"a finding of the kind {self.kind!r} decides nothing"
-        return {**words, **self.words}[rule(value)]
 
     def as_json(self) -> dict[str, Any]:
         """Return it as data, with its text for those who read."""

@@ -104,12 +104,9 @@ class ContactProblem:
     def own_spectrum(self) -> surfaces.AnySpectrum:
         """C(q), scaled to the gradient of this surface; that of the scene where no surface is drawn."""
         shape = self.spectrum_shape
-        return shape.scaled(float(self.field.rms_gradient**2 / shape.m2())) if self.has_heights else shape
-
-    @property
-    def has_heights(self) -> bool:
-        """Whether there is a surface: a measured one, or one that is drawn."""
-        return self.drawn or isinstance(self.surface, FileSurface)
+        if not self.drawn and self.measured is None:
+            return shape
+        return shape.scaled(float(self.field.rms_gradient**2 / shape.m2()))
 
     @cached_property
     def elastic(self) -> Solid:

@@ -75,15 +75,10 @@ class Sweep:
         """What was given, by the variables of a result that are shown in its unit."""
         return self.scenes[0].given | {key.name: key.values[0] for key in self.keys}
 
-    @property
-    def shape(self) -> tuple[int, ...]:
-        """Values of each key."""
-        return tuple(len(key.values) for key in self.keys)
-
     def place(self, case: int) -> str:
         """Say where a case stands, such as "young = 2 GPa, seed = 7"."""
-        zipped = self.mode == "zip"
-        places: Any = [case] * len(self.keys) if zipped else np.unravel_index(case, self.shape)
+        counts = [len(key.values) for key in self.keys]
+        places: Any = [case] * len(counts) if self.mode == "zip" else np.unravel_index(case, counts)
         pairs = zip(self.keys, places, strict=True)
         return ", ".join(f"{key.name} = {value_words(key.values[k], key.unit)}" for key, k in pairs)
 

@@ -290,9 +290,7 @@ def serve(
 
 
 def _field(answer: Any, name: str) -> Any:
-    if isinstance(answer, Mapping):
-        return answer.get(name)
-    return None if isinstance(answer, np.ndarray) else getattr(answer, name, None)
+    return answer.get(name) if isinstance(answer, Mapping) else getattr(answer, name, None)
 
 
 def _peak_bytes(*, reset: bool = False) -> int:

@@ -68,9 +68,6 @@ class _Answers(_Posed):
         self.score_points = points  # type: ignore[misc]
         self.folders = {_key(job): folder for folder, job in problems.items()}
 
-    def warm_up(self, effects: object, settings: object) -> None:
-        """Nothing is compiled."""
-
     def claim(self, job: Job) -> Claim:
         """Read the answer of a problem; a NotJudged where there is none."""
         folder = self.folders.get(_key(job))
