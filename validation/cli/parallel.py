@@ -120,7 +120,7 @@ def _solved(solve: Press, folder: Path, comm: Any) -> dict[str, Any]:
         **dict[str, Any](solve.settings),
     ).checked()
     dx, dy = surface.spacing
-    areas = result.areas(subcell=model.pressure_bound is None and abs(dx / dy - 1) <= 0.05)
+    areas = result.areas(subcell=not solve.effects and abs(dx / dy - 1) <= 0.05)
     cost = result.contact.cost
     row = {
         "grid": list(solve.grid),

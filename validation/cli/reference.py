@@ -66,6 +66,10 @@ def reference(
     from validation.studies._outputs import run_study
 
     if theory or csv is not None:
+        asked = {"--hurst": hurst, "--bandwidth": bandwidth, "--reduced-pressure": reduced_pressure}
+        said = {"--amplitudes": amplitudes != "exact", "--gradient": gradient != "surface"}
+        for flag in (flag for flag, value in {**asked, **said}.items() if value):
+            raise UsageError(f"{flag}: not with --theory or --csv, which score all cells; leave it out")
         folder = prepare_folder(output or Path("results") / "reference-score")
         study = find_study("reference-score")
         flags = ["--rolloff", rolloff, "--theory", ",".join(theory or ())]

@@ -172,6 +172,8 @@ def _inspected(source: str, **asked: Any) -> dict[str, Any]:
     facts: dict[str, Any] = {}
     surface: Surface
     if source in builtin_scenes() or Path(source).suffix == ".toml":
+        for name in (name for name, value in asked.items() if value not in (None, "refuse")):
+            raise UsageError(f"--{name}: of a file; the scene {source!r} says it itself: leave it out")
         surface = load_scene(source).surface
     else:
         surface = _file_surface(Path(source), **asked)

@@ -29,6 +29,7 @@ from validation.report.words import json_ready, percent, significant
 from validation.scenes.checks import check_scene
 from validation.scenes.problem import realise
 from validation.scenes.scene import Scene
+from validation.scenes.tables import FileSurface
 from validation.solvers.bem import BemOptions
 
 #: Slots of effects with which the area corrected at its edge follows its law of error.
@@ -166,6 +167,10 @@ def reach(scene: Scene, bench: Bench, *, target: float, time_limit: float | None
     check_scene(scene, problem)
     if not scene.methods.solvers:
         raise UsageError("--accuracy: no solver is listed; add [methods.bem], whose grids are then chosen")
+    if scene.ensemble is not None and isinstance(scene.surface, FileSurface):
+        raise UsageError(
+            "ensemble: --accuracy draws as many surfaces as it takes, not maps; remove it"
+        )
     for k, effect in enumerate(scene.effects):
         if effect.slot not in _LAWFUL:
             raise UsageError(

@@ -261,7 +261,7 @@ def _facts(scene: Scene, problem: ContactProblem) -> Iterator[tuple[str, str]]:
         yield from (("measured", words) for words in problem.measured.period.history)
     else:
         yield "integrals over C(q)", _heights(problem.spectrum_shape.moments())
-        sizes = f"L/lambda_long = {min(problem.lengths) / problem.longest:.3g}, "
+        sizes = f"L/lambda_long = {problem.periods:.3g}, "
         yield "bandwidth", sizes + f"lambda_long/lambda_short = {problem.longest / problem.shortest:.3g}"
     source = "of C(q)" if isinstance(field, Expected) else "realised"
     yield "Nayak parameter", f"alpha = {field.nayak:.4g} ({source})"

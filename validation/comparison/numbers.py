@@ -229,8 +229,12 @@ def _over_surfaces(data: xr.Dataset, case: Case, accurate: Mapping[str, Any] | N
         several = derive(several, kappa_each="area_each / reduced_pressure_each")
         names = ["area", "kappa"]
         if has_theory:
-            several = derive(several, area_ratio_each="area_each / area_persson_each")
-            names += ["area_persson", "area_ratio"]
+            several = derive(
+                several,
+                area_ratio_each="area_each / area_persson_each",
+                kappa_persson_each="area_persson_each / reduced_pressure_each",
+            )
+            names += ["area_persson", "area_ratio", "kappa_persson"]
         several = mean(several, *names)
         values = bare(several.area_each)
         deviation = values.std("surface", ddof=1, skipna=False)
@@ -244,17 +248,16 @@ def _over_surfaces(data: xr.Dataset, case: Case, accurate: Mapping[str, Any] | N
         if "area" not in data:
             area = bare(data.area_own, reduction="expression", expression="area_own")
             data = data.assign(area=area, area_error=data.area_own_error, surfaces=1.0)
-        data = derive(data, kappa="area / reduced_pressure")
-    if not has_theory:
-        return data
-    if several is None:
-        # Whether the theory says the same of all surfaces of the spectrum.
-        exact = getattr(case.scene.surface, "amplitudes", "") == "exact"
-        alike = exact or (case.scene.load.reduced_pressure is not None and not case.scene.effects)
-        data = derive(data.assign(area_ratio=math.nan), area_persson="area_persson_own")
-        if alike or data.surfaces == 1:
+        # Whether all surfaces of the spectrum have one p*, and the theory says the same of them.
+        exact = getattr(case.scene.surface, "amplitudes", "") == "exact" or data.surfaces == 1
+        same_load = exact or case.scene.load.reduced_pressure is not None
+        data = derive(data, kappa="area / reduced_pressure") if same_load else data.assign(kappa=math.nan)
+        if has_theory:
+            data = derive(data.assign(area_ratio=math.nan), area_persson="area_persson_own")
+            data = derive(data, kappa_persson="area_persson / reduced_pressure")
+        if has_theory and (exact or (same_load and not case.scene.effects)):
             data = derive(data, area_ratio="area / area_persson")
-    return derive(data, area_excess="area_ratio - 1", kappa_persson="area_persson / reduced_pressure")
+    return derive(data, area_excess="area_ratio - 1") if has_theory else data
 
 
 def _as_claimed(data: xr.Dataset, accurate: Mapping[str, Any]) -> xr.Dataset:

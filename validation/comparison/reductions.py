@@ -113,8 +113,8 @@ class Case:
             return {}
         surfaces: dict[int, dict[Grid, Reading]] = {k: {} for k in range(ensemble.realisations)}
         for solve, reading in self.readings.items():
-            k = solve.problem.realisation
-            if solve.method == solver.name and k in surfaces and solve.shift == (0.0, 0.0):
+            k, still = solve.problem.realisation, solve.shift == (0.0, 0.0) and not solve.problem.variation
+            if solve.method == solver.name and k in surfaces and still:
                 surfaces[k][solve.grid] = reading
         return surfaces
 

@@ -94,8 +94,8 @@ def _tables(data: xr.Dataset) -> Iterator[Table | Listing]:
             _GRID_ROWS,
             (*_GRID_ROWS, *DIFFERENCES),
             title=f"Beside {_label(data, 0)} on the same grid",
-            note="Same surface, same points, same load; of the pressure the relative L2 norm of the "
-            f"difference. {agreement}",
+            note="Same surface, same points, same load or held distance; of the pressure the relative L2 "
+            f"norm of the difference. {agreement}",
             file="methods",
             sparse=True,
         )
@@ -234,8 +234,9 @@ def _theory(data: xr.Dataset) -> Iterator[Finding]:
     if not np.isfinite(data.area_persson_own):
         yield finding("refusal", "Persson's theory gives {theory_note}.", data)
         return
-    form = "The area is {verdict} Persson's theory: {area_excess:+%} of A/A0 = {area_persson_own:.4} with "
-    form += "the realised gradient[, {area_ensemble:.4} from C(q) alone]"
+    form = "The area is {verdict} Persson's theory: {area_excess:+%} of A/A0 = {area_persson:~} with the "
+    form += f"realised gradient{'s, in the mean over the surfaces' * ('area_persson_each' in data)}"
+    form += "[, {area_ensemble:.4} from C(q) alone]"
     form += "[, {area_other_energy:.4} with another elastic energy][ ({theory_note})]."
     yield finding("comparison", form, data, by="area_excess")
 

@@ -27,7 +27,7 @@ def below(data: xr.Dataset, scene: Scene, results: Contacts) -> xr.Dataset:
     names = ("von_mises", "von_mises_depth", "von_mises_x", "von_mises_y")
     parts = {("", ""): xr.Dataset(dict.fromkeys(names, np.nan))}
     for solve in _pressed(scene, results):
-        point = strongest_point(results[solve], solve.response, depths=depths)
+        point = strongest_point(results[solve], solve.below, depths=depths)
         values = (point.von_mises, point.depth, *point.place)
         parts[solve.method, grid_name(solve.grid)] = xr.Dataset(dict(zip(names, values, strict=True)))
     data = data.assign(gather(parts, solver=data.solver.values, grid=data.grid.values).data_vars)
@@ -58,7 +58,7 @@ def write_below(scene: Scene, results: Contacts, folder: Path) -> Iterator[Path]
     folder.mkdir(exist_ok=True)
     for solve in _finest(scene, results):
         target = folder / f"{solve.prefix}-below.vtu"
-        write_subsurface(target, fields_below(results[solve], solve.response, depths=scene.subsurface.depths))
+        write_subsurface(target, fields_below(results[solve], solve.below, depths=scene.subsurface.depths))
         yield target
 
 
@@ -72,7 +72,7 @@ def planes(data: xr.Dataset, scene: Scene, results: Contacts) -> xr.Dataset:
         solve.method: [
             # A logarithmic axis has no surface.
             (p.depth or np.nan, float(p.von_mises.max()), float(np.sqrt(np.mean(p.von_mises**2))))
-            for p in planes_below(results[solve], solve.response, depths=scene.subsurface.depths)
+            for p in planes_below(results[solve], solve.below, depths=scene.subsurface.depths)
         ]
         for solve in _finest(scene, results)
     }

@@ -187,6 +187,9 @@ def _along(data: xr.Dataset, key: str) -> Iterator[Finding]:
             places.append(place_words(here, other, here))
     fixed = f" (at {', '.join(places)})" if places else ""
     dim = str(here[key].dims[0])
+    if _is_seed(data, key) and _several(data):
+        yield note("Ensembles of neighbouring seeds share surfaces: they are no samples of each other.")
+        return
     if _is_seed(data, key) and name == "area":
         areas = here.area.rename({dim: "surface"}).drop_vars(key, errors="ignore")
         over = mean(xr.Dataset({"area_each": areas}), "area")

@@ -13,13 +13,14 @@ import xarray as xr
 from fem_contact.contact import ContactResult
 from validation.arrays import Pair
 from validation.comparison.reductions import Case
+from validation.execution.press import Press
 from validation.measurements.statistics import finest_error
 from validation.report.estimates import error_of, mean
 from validation.scenes.tables import Leak
 
 _AXES: tuple[Literal["x", "y"], ...] = ("x", "y")
-#: What is asked of one result, and what a theory says of it: value, theory's value.
-_Read = Callable[[ContactResult], Pair]
+#: What is asked of one solve and its result, and what a theory says of it: value, theory's value.
+_Read = Callable[[Press, ContactResult], Pair]
 
 
 def passing(data: xr.Dataset, case: Case) -> xr.Dataset:
@@ -48,14 +49,14 @@ def passing(data: xr.Dataset, case: Case) -> xr.Dataset:
     if quantities.leak is not None:
         reads |= {f"leak_rate_{axis}": (_leak(quantities.leak, axis), "bruggeman") for axis in _AXES}
     for name, (read, beside) in reads.items():
-        values, theories = zip(*(read(results[solve]) for solve in ladder), strict=True)
+        values, theories = zip(*(read(solve, results[solve]) for solve in ladder), strict=True)
         value, theory, half = values[-1], theories[-1], finest_error(values, spacing)
         data[name] = xr.DataArray(value)
         data[f"{name}_error"] = error_of(data[name], grid=half)
         if np.isfinite(theory):
             data[f"{name}_{beside}"] = theory
         if len(ensemble) > 1:
-            own, told = zip(*(read(results[solve]) for solve in ensemble), strict=True)
+            own, told = zip(*(read(solve, results[solve]) for solve in ensemble), strict=True)
             data[f"{name}_each"] = ("surface", list(own))
             if np.isfinite(theory):
                 data[f"{name}_{beside}"] = float(np.mean(told))
@@ -77,10 +78,10 @@ def _conductance(resistivities: Pair, case: Case) -> _Read:
     modulus = half_space.contact_modulus
     per_stiffness = contact_conductance(1.0, contact_modulus=modulus, resistivities=resistivities)
 
-    def read(result: ContactResult) -> Pair:
+    def read(solve: Press, result: ContactResult) -> Pair:
         theory = math.nan
         if not case.scene.effects:
-            scale = Scale(case.problem.own_spectrum, contact_modulus=modulus)
+            scale = Scale(solve.problem.own_spectrum, contact_modulus=modulus)
             theory = per_stiffness * float(contact_stiffness(result.mean_pressure, scale=scale))
         if result.in_contact.all() or not result.in_contact.any():
             return math.inf if result.in_contact.any() else 0.0, theory
@@ -95,7 +96,7 @@ def _leak(leak: Leak, axis: Literal["x", "y"]) -> _Read:
     from fem_contact.leak import flow_conductance, open_gap
     from persson.leakage import effective_medium
 
-    def read(result: ContactResult) -> Pair:
+    def read(solve: Press, result: ContactResult) -> Pair:
         gap = open_gap(result)
         along, across = result.lengths if axis == "x" else result.lengths[::-1]
         per = leak.pressure_drop / along * across / leak.viscosity

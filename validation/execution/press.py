@@ -11,6 +11,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, TypeAlias
 
 from fem_contact.contact import ContactResult
+from fem_contact.response import HalfSpace
+from fem_contact.solid import Solid
 from validation.arrays import Grid
 from validation.effects.base import ContactModel
 from validation.execution.fields import decode_result, fields_dataset
@@ -58,6 +60,14 @@ class Press(Solve):
     def response(self) -> Response:
         """What answers to pressure: the solid with its layers."""
         return ContactModel.filled(self.problem.elastic, self.effects).felt_response
+
+    @property
+    def below(self) -> Response:
+        """What lies below the contact: of two bodies, which answer as one half-space, the first."""
+        solid = self.problem.solid
+        if solid.second_young is None:
+            return self.response
+        return HalfSpace(solid=Solid(young=solid.young, poisson=solid.poisson))
 
     @cached_property
     def recipe(self) -> dict[str, Any]:

@@ -188,7 +188,7 @@ class Contact:
             raise UsageError(
                 f"below: method {self.solve.method!r} meshes its body; write its own stress with to_vtu(...)"
             )
-        return fields_below(self.result, self.solve.response, depths=depths)
+        return fields_below(self.result, self.solve.below, depths=depths)
 
     def to_vtu(self, path: str | Path) -> Path:
         """Write the stress in the solid for ParaView or pyvista: of the block, or else below the contact.

@@ -196,7 +196,7 @@ _COLUMNS = {
 
 
 def _numbers(contact: Contact, *, limit: bool) -> xr.Dataset:
-    data, load = contact.data.isel(solver=0, grid=-1, drop=True), contact.problem.reduced_pressure
+    data, load = contact.data.isel(solver=0, grid=-1, drop=True), float(contact.data.reduced_pressure)
     columns = {name: column for name, column in _COLUMNS.items() if name in data}
     row = data[list(columns)].rename(columns).reset_coords(drop=True)
     if "persson" in row:
@@ -214,7 +214,7 @@ def _numbers(contact: Contact, *, limit: bool) -> xr.Dataset:
 
 
 def _said(contact: Contact) -> dict[str, Any]:
-    scene, problem = contact.scene, contact.problem
+    scene, problem = contact.scene, contact._loaded
     # As it was asked for, not as it comes back from the other.
     loads: dict[str, Any] = {
         name: getattr(scene.load, name) or getattr(problem, name) for name in ("reduced_pressure", "pressure")

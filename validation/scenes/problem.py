@@ -194,6 +194,13 @@ class ContactProblem:
             return max(surface.length)
         return surface.lambda_long * (getattr(surface, "stretch", None) or 1.0)
 
+    @property
+    def periods(self) -> float:
+        """Long waves side by side on a period, along its side that has fewer; those of a lay run along x."""
+        lx, ly = self.lengths
+        stretch = getattr(self.surface, "stretch", None) or 1.0
+        return min(lx, ly * stretch) / self.longest
+
     def spacing(self, grid: Grid) -> Pair:
         """Return dx and dy of a grid [m]."""
         return self.lengths[0] / grid[0], self.lengths[1] / grid[1]

@@ -300,7 +300,8 @@ def _swept(scenes: Sequence[Scene], mode: Mode, lists: Mapping[str, list[Any]]) 
         values = tuple(_said(scenes[k * step], key, unit) for k in range(len(lists[key])))
         if any(isinstance(value, str) for value in values):
             values, unit = tuple(value_words(value, unit) for value in values), "1"
-        clear = last.count(word) == 1 and word not in _TAKEN
+        taken = word in _TAKEN or (word == "pressure" and key != "load.pressure")
+        clear = last.count(word) == 1 and not taken
         name = word if clear else "_".join(key.split(".")[-2:])
         name += "_spectrum" * (key in ("surface.rms_gradient", "surface.rms_height"))  # without: realised
         keys.append(SweptKey(key=key, name=name, unit=unit, meaning=meaning or key, values=values))

@@ -20,6 +20,7 @@ from validation.scenes.scene import EffectSpec, Scene, load_scene
 from validation.scenes.tables import FileSurface, Load
 from validation.solvers import chosen_solver, find_solver
 from validation.solvers.base import Settings
+from validation.solvers.theory import Prediction, predict
 from validation.studies._options import Bandwidth, Periods, SurfaceOptions, Surfaces
 from validation.units import wrong
 
@@ -135,7 +136,11 @@ class PressedOptions(SurfaceOptions):
     def first(self) -> ContactProblem:
         """The first surface with its solid and load."""
         if self.scene is not None:
-            return replace(realise(self.scene), drawn=True)
+            first = replace(realise(self.scene), drawn=True)
+            scattered = getattr(first.surface, "amplitudes", "") == "gaussian" and not first.load.held
+            if scattered and "reduced_pressure" in type(self).model_fields:  # one p*, not one p0, for all
+                return first.under(Load(reduced_pressure=first.reduced_pressure))
+            return first
         solid = BASE_SOLID.model_copy(update=self.model_dump(include={"poisson"}))
         loads = getattr(self, "reduced_pressures", ()) or (getattr(self, "reduced_pressure", None),)
         return base_case(self.self_affine(), reduced_pressure=loads[0], solid=solid)
@@ -149,6 +154,11 @@ class PressedOptions(SurfaceOptions):
     def effects(self) -> tuple[EffectSpec, ...]:
         """Effects of the scene; none without one."""
         return () if self.scene is None else self.scene.effects
+
+    def predicted(self, problem: ContactProblem) -> Prediction:
+        """Return what Persson's theory says of a surface, by the readings of the scene."""
+        scene = self.scene
+        return predict(problem, self.effects, None if scene is None else scene.methods.options("theory"))
 
     def press(self, *, surface: int, reduced_pressure: float, grid: Grid) -> Press:
         """Return one solve whose fields are kept, as a run of the scene does it where its load is that."""
@@ -224,7 +234,7 @@ class PressedOptions(SurfaceOptions):
         problem, numbers = self.first, {"periods": self.periods, "bandwidth": self.bandwidth}
         if self.scene is not None:
             long = problem.longest
-            numbers = {"periods": min(problem.lengths) / long, "bandwidth": long / problem.shortest}
+            numbers = {"periods": problem.periods, "bandwidth": long / problem.shortest}
         return {**problem.surface.model_dump(include={"hurst"}, exclude_none=True), **numbers}
 
     def record(self) -> dict[str, Any]:

@@ -17,7 +17,6 @@ from validation.measurements.common import Rising
 from validation.measurements.limits import limit_of, resolved_grids
 from validation.report.estimates import derive, gather, mean, spread
 from validation.report.views import Figure, Table, Views, against, finding, note
-from validation.solvers.theory import predict
 from validation.studies._options import Bandwidth, Periods, Seed, Surfaces
 from validation.studies._scene import PressedOptions
 
@@ -53,7 +52,7 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     known = all(type(effect).has_theory() for effect in options.effects)
     limits = {
         case: limit_of({solve: solved[solve] for solve in solves}).assign(
-            area_persson_each=predict(solves[0].problem, options.effects).area if known else np.nan
+            area_persson_each=options.predicted(solves[0].problem).area if known else np.nan
         )
         for case, solves in cases.items()
     }

@@ -67,8 +67,8 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     first, q_long = options.first, 2 * np.pi / options.first.longest
 
     def limits(measured: xr.Dataset, call: Call) -> xr.Dataset:
-        # Its gradient is that of its waves, on any grid.
-        cut = truncated_heights(call["problem"], call["grids"][0], truncation=call["truncation"])
+        # On the finest grid: on one coarser than a map its gradient is not that of its waves.
+        cut = truncated_heights(call["problem"], call["grids"][-1], truncation=call["truncation"])
         return limits_of(measured, drift=False).assign(truncated_gradient_each=cut.rms_gradient)
 
     data = gathered(bench, design(options), limits, "surface", "magnification")

@@ -31,7 +31,6 @@ from validation.measurements.measurement import TOLERANCE, grids_for, press_on_g
 from validation.measurements.references import beside_published, papers_of
 from validation.measurements.theory import ensemble_area
 from validation.report.estimates import claim_shares, gather
-from validation.solvers.theory import predict
 from validation.studies._options import Element, Hurst, Methods, ReducedPressure, Shifts, Surfaces
 from validation.studies._refinement_views import views as views
 from validation.studies._scene import PressedOptions, SolverRequest
@@ -198,7 +197,7 @@ def _of_boundary_elements(options: Options, measured: Measured) -> xr.Dataset:
     data = gather({k: on_grids(measured["grids", k]) for k in surfaces}, "surface")
     # Persson's theory knows some of the effects of a scene.
     known = all(type(effect).has_theory() for effect in options.effects)
-    theory = predict(options.first, options.effects) if known else None
+    theory = options.predicted(options.first) if known else None
     gradients = data.rms_gradient_each.values
     ensemble = ensemble_area(options.first.spectrum, [load], rms_gradients=gradients)[:, 0]
     if options.effects:

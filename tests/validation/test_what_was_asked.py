@@ -1,0 +1,198 @@
+"""Each number is of what was asked: surfaces, loads, readings, bodies of the scene, on every path."""
+
+import numpy as np
+import pytest
+from commanding import invoke
+from numpy.testing import assert_allclose
+from refusing import refused
+from small_scene import STICKY, ensemble, scene_in, small_scene, square_scene
+
+import fem_contact as fc
+from fem_contact import HalfSpace, Solid
+from fem_contact.subsurface import fields_below
+from persson.scale import Scale
+from persson.separation import contact_stiffness
+from validation.audit import audit
+from validation.comparison.accuracy import reach
+from validation.comparison.explain import explain
+from validation.comparison.run import run_scene, run_sweep
+from validation.comparison.sweep_views import sweep_views
+from validation.errors import UsageError
+from validation.execution.bench import Bench
+from validation.measurements.measurement import truncated_heights
+from validation.scenes.problem import realise
+from validation.scenes.scene import load_scene
+from validation.solvers.theory import TheoryOptions, predict
+from validation.studies import area, magnification, refinement
+
+CURRENT = '[quantities.electrical]\nresistivity = "20 nohm m"\n'
+SCATTERED = small_scene(CURRENT + ensemble(3), load='pressure = "20 kPa"').replace(
+    "seed = 77", 'seed = 77\namplitudes = "gaussian"'
+)
+ROUGH = fc.self_affine(
+    length="10 um", hurst=0.8, lambda_long="5 um", lambda_short="2 um", rms_gradient=0.1, seed=5
+)
+MAPS = """
+[surface]
+kind = "file"
+path = "a.npy"
+more_paths = ["b.npy"]
+length = "10 um"
+unit = "1 um"
+{more}
+[solid]
+young = "2 MPa"
+poisson = 0.3
+[load]
+reduced_pressure = 0.1
+[methods.bem]
+grids = [48, 64]
+[methods.theory]
+[ensemble]
+realisations = 2
+grids = [48, 64]
+"""
+
+
+@pytest.fixture
+def maps(tmp_path):
+    """Scenes of two maps of a surface, the second four times as rough."""
+    for name, seed, height in (("a", 31, 1.0), ("b", 32, 4.0)):
+        rough = fc.self_affine(
+            length="10 um", hurst=0.8, lambda_long="5 um", lambda_short="1 um", rms_gradient=0.1, seed=seed
+        )
+        np.save(tmp_path / f"{name}.npy", height * rough.heights(24).values * 1e6)
+    return lambda more: scene_in(tmp_path, MAPS.format(more=more))
+
+
+def test_a_map_treated_otherwise_is_no_map_of_the_ensemble(maps, tmp_path):
+    data = {}
+    for word in ("true", "false"):
+        folder = tmp_path / word
+        bench = Bench.at(tmp_path / "solves")
+        data[word] = run_scene(maps(f"treatment = {word}"), folder, bench=bench, report=False).data
+        assert audit(folder).wrong == ()
+    for name in ("area_each", "area_persson_each", "rms_gradient_each"):
+        assert_allclose(data["true"][name], data["false"][name], rtol=1e-12)
+
+
+def test_each_surface_of_an_ensemble_has_its_own_load_and_theory(tmp_path):
+    scene = scene_in(tmp_path, SCATTERED.replace("[methods.bem]", "[methods.theory]\n[methods.bem]"))
+    data = run_scene(scene, tmp_path / "out", report=False).data
+    assert np.ptp(data.reduced_pressure_each.values) > 0.01
+    own = data.area_persson_each / data.reduced_pressure_each
+    assert float(data.kappa_persson) == pytest.approx(float(own.mean()), rel=1e-12)
+    problems = [realise(scene).further(k) for k in range(3)]
+    stiffness = [
+        float(contact_stiffness(p.pressure, scale=Scale(p.own_spectrum, contact_modulus=p.contact_modulus)))
+        for p in problems
+    ]
+    one = data.electrical_conductance_persson / np.mean(stiffness)
+    scene = scene_in(tmp_path, SCATTERED.replace(ensemble(3), "[methods.theory]\n"))
+    alone = run_scene(scene, tmp_path / "alone", report=False).data
+    assert float(one) == pytest.approx(float(alone.electrical_conductance_persson) / stiffness[0], rel=1e-9)
+
+
+def test_surfaces_of_a_study_at_one_load_have_one_reduced_pressure(tmp_path):
+    (tmp_path / "scene.toml").write_text(
+        square_scene(load='pressure = "20 kPa"').replace("seed = 77", 'seed = 77\namplitudes = "gaussian"')
+    )
+    options = refinement.Options(scene=str(tmp_path / "scene.toml"), surfaces=3)
+    loads = [problem.reduced_pressure for problem in options.pressed]
+    assert_allclose(loads, options.reduced_pressure, rtol=1e-12)
+    assert len({problem.pressure for problem in options.pressed}) == 3
+
+
+def test_a_study_reads_the_theory_as_its_scene_does(tmp_path):
+    text = square_scene(f'{STICKY}[methods.theory]\nenergy = "old"\n', grids="[12, 16]")
+    options = area.Options(scene=text_in(tmp_path, text), reduced_pressures=(0.1,), surfaces=1)
+    told = [predict(options.first, options.effects, one).area for one in (TheoryOptions(energy="old"), None)]
+    assert options.predicted(options.first).area == told[0] != told[1]
+
+
+def text_in(folder, text):
+    (folder / "scene.toml").write_text(text)
+    return str(folder / "scene.toml")
+
+
+def test_the_gradient_of_a_cut_map_is_that_of_its_finest_grid(maps, tmp_path):
+    text = MAPS.format(more="treatment = false").replace('more_paths = ["b.npy"]\n', "")
+    text = text[: text.index("[methods.theory]")].replace("[48, 64]", "[16, 48, 64]\nunder_resolved = true")
+    options = magnification.Options(
+        scene=text_in(tmp_path, text), magnifications=(8.0,), reduced_pressures=(0.1,)
+    )
+    data = magnification.run(options, bench=Bench.at(tmp_path / "solves"))
+    last = 8 * 2 * np.pi / options.first.longest
+    finest = truncated_heights(options.first, (64, 64), truncation=last).rms_gradient
+    assert float(data.truncated_gradient_each.squeeze()) == pytest.approx(finest, rel=1e-12)
+
+
+def test_below_two_bodies_the_first_gives_way(tmp_path):
+    contact = fc.press(
+        ROUGH,
+        young="1 GPa",
+        poisson=0.3,
+        second_young="10 MPa",
+        second_poisson=0.4,
+        reduced_pressure=0.1,
+        grid=24,
+    )
+    first = HalfSpace(solid=Solid(young=1e9, poisson=0.3))
+    expected = fields_below(contact.result, first, depths=[1e-6])
+    found = contact.below([1e-6])
+    assert_allclose(found.displacement, expected.displacement, rtol=1e-12)
+    assert_allclose(found.stress, expected.stress, rtol=1e-12)
+
+
+def test_a_swept_pressure_of_an_effect_is_not_that_of_the_load(tmp_path):
+    text = small_scene("[methods.theory]\n", grids="[[24, 16]]")
+    loads = "sweep.load.pressure=[1e4, 2e4]"
+    seeds = "sweep.surface.seed=[3, 4, 5]"
+    named = scene_in(tmp_path, text, loads).keys[0].name
+    assert named == "pressure"
+    smooth = '[[effects]]\nkind = "smoothing"\npressure = "10 kPa"\nhardness = "50 kPa"\n'
+    swept = scene_in(tmp_path, text + smooth, "sweep.effects.smoothing.pressure=[1e4, 2e4]")
+    assert swept.keys[0].name == "smoothing_pressure"
+    several = scene_in(tmp_path, text + ensemble(2, "[[24, 16], [36, 24]]"), seeds)
+    data = run_sweep(several, tmp_path / "out", report=False).data
+    texts = [found.text for found in sweep_views(data).findings]
+    assert any("share surfaces" in words for words in texts)
+    assert not any(words.startswith("Over 3 surfaces") for words in texts)
+
+
+def test_long_waves_of_a_lay_are_counted_along_it():
+    scene = load_scene("ground")
+    problem, surface = realise(scene), scene.surface
+    lx, ly = surface.length
+    assert problem.periods == min(lx / (surface.lambda_long * surface.stretch), ly / surface.lambda_long)
+    assert f"L/lambda_long = {problem.periods:.3g}" in str(dict(explain(scene).facts))
+
+
+@pytest.mark.parametrize(
+    ("words", "says"),
+    [
+        ("surface inspect quickstart --tilt plane", "--tilt: of a file"),
+        ("surface inspect quickstart --missing nearest", "--missing: of a file"),
+        ("reference --theory persson --hurst 0.8", "--hurst: not with --theory"),
+        ("reference --theory persson --amplitudes gaussian", "--amplitudes: not with --theory"),
+    ],
+)
+def test_what_would_be_ignored_is_refused(words, says):
+    outcome = invoke(words)
+    assert outcome.exit_code
+    assert says in str(outcome.exception)
+
+
+def test_an_accuracy_over_maps_is_refused(maps, tmp_path):
+    with refused(UsageError, "draws as many surfaces as it takes"):
+        reach(maps("treatment = false"), Bench.at(tmp_path / "solves"), target=0.1)
+
+
+def test_contacts_that_are_held_apart_stand_in_a_table():
+    held = [fc.press(ROUGH, young="1 GPa", poisson=0.3, offset=h, grid=24) for h in ("100 nm", "150 nm")]
+    table = fc.table(held, along="reduced_pressure")
+    assert_allclose(table.reduced_pressure, [float(c.data.reduced_pressure) for c in held], rtol=1e-9)
+    coated = {"young": "1 GPa", "poisson": 0.3, "reduced_pressure": 0.05}
+    coated["coating"] = {"young": "4 GPa", "thickness": "1 um", "poisson": 0.3}
+    row = fc.table([fc.press(ROUGH, **coated, grid=24)], limit=True)
+    assert_allclose(row.kappa_limit / row.limit, row.kappa / row.area, rtol=1e-9)
