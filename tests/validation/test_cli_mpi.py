@@ -45,7 +45,7 @@ def test_the_command_presses_the_surface_of_the_scene_and_uses_finished_grids_ag
     scene = load_scene(str(path))
     solves = [solve for solve in solves_of(scene, realise(scene)) if solve.method == "bem" and solve.is_own]
     for row, solve in zip(found["grids"], solves, strict=True):
-        expected = contact_areas(solve.do(threads=1).contact, subcell="hardness" not in effect)
+        expected = contact_areas(solve.do(threads=1).contact, subcell=not effect)
         assert row["grid"] == list(solve.grid)
         for name, value in asdict(expected).items():
             same = value if value is None else pytest.approx(value, rel=1e-9)
@@ -92,5 +92,5 @@ def test_what_does_not_go_with_mpi_is_refused_in_one_line(tmp_path, read_scene, 
         run_parallel(held, tmp_path, as_json=True, unfit={})
     coarse = ("[12, 8], [24, 16], [48, 32]", "4, 48"), ("shifts = 2", "under_resolved = true")
     under_resolved = read_scene(*coarse, fem=False)
-    with pytest.raises(UsageError, match="does not resolve lambda_short"):
+    with pytest.raises(UsageError, match="under_resolved: not with --mpi"):
         run_parallel(under_resolved, tmp_path, as_json=True, unfit={})

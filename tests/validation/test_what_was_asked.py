@@ -1,5 +1,7 @@
 """Each number is of what was asked: surfaces, loads, readings, bodies of the scene, on every path."""
 
+import math
+
 import numpy as np
 import pytest
 from commanding import invoke
@@ -19,7 +21,9 @@ from validation.comparison.run import run_scene, run_sweep
 from validation.comparison.sweep_views import sweep_views
 from validation.errors import UsageError
 from validation.execution.bench import Bench
-from validation.measurements.measurement import truncated_heights
+from validation.measurements.common import base_case, base_surface
+from validation.measurements.grids import on_grids
+from validation.measurements.measurement import press_on_grids, truncated_heights
 from validation.scenes.problem import realise
 from validation.scenes.scene import load_scene
 from validation.solvers.theory import TheoryOptions, predict
@@ -196,3 +200,35 @@ def test_contacts_that_are_held_apart_stand_in_a_table():
     coated["coating"] = {"young": "4 GPa", "thickness": "1 um", "poisson": 0.3}
     row = fc.table([fc.press(ROUGH, **coated, grid=24)], limit=True)
     assert_allclose(row.kappa_limit / row.limit, row.kappa / row.area, rtol=1e-9)
+
+
+def test_a_map_on_fewer_points_than_its_own_is_moved_before_they_are_taken(maps):
+    problem = realise(maps("treatment = false"))
+    fine = problem.heights((24, 24)).heights
+    for part, first in ((0.5, 1), (0.0, 0)):
+        moved = problem.heights((12, 12), (part, part)).heights
+        expected = fine[first::2, first::2]
+        # To either side.
+        off = min(abs(moved - one).max() for one in (expected, np.roll(expected, 1, (0, 1))))
+        assert off < 1e-12 * fine.std()
+
+
+def test_patches_are_counted_in_cells_on_oblong_cells_too(bench):
+    base = base_case(base_surface(hurst=0.8, periods=1.6, bandwidth=2.5, seed=61), reduced_pressure=0.3)
+    kept = {"reduced_pressures": (0.3,), "shifts": 1, "keep": ("distributions",)}
+    cells = {}
+    for grids in (((32, 32), (64, 64)), ((32, 32), (128, 64))):
+        measured = press_on_grids(problem=base, grids=grids, **kept).do()
+        share = base.shortest**2 / math.prod(base.lengths)
+        cells[grids[-1]] = on_grids(measured, wave_share=share).cells_at_part_each.isel(grid=-1).values
+    assert (cells[128, 64] / cells[64, 64] > 1.6).all()  # twice, but for the bins of their areas
+
+
+def test_a_sweep_says_which_of_its_maps_are_doubtful(maps, tmp_path):
+    maps("treatment = false")
+    text = MAPS.format(more="treatment = false").replace('more_paths = ["b.npy"]\n', "")
+    text = text[: text.index("[ensemble]")].replace("[48, 64]", "[48]")
+    units = scene_in(tmp_path, text, "sweep.surface.unit=['1 um', '1 m']")
+    data = run_sweep(units, tmp_path / "out", report=False).data
+    said = " ".join(found.text for found in sweep_views(data).findings)
+    assert "(in 1 of 2 cases)" in said

@@ -6,7 +6,7 @@ import contextlib
 import json
 import os
 import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
@@ -52,9 +52,11 @@ def run_parallel(scene: Scene | Sweep, folder: Path, *, as_json: bool, unfit: Ma
                 raise UsageError(f"{name}: does not go with --mpi; leave it out")
         if isinstance(scene, Sweep):
             raise UsageError("[sweep]: makes it many scenes; --mpi runs one")
-        rows = [_solved(solve, folder, comm) for solve in _solves(scene)]
+        solves = _solves(scene)
+        rows = [_solved(solve, folder, comm) for solve in solves]
+        resolved = [solve.problem.resolved_by(solve.grid) for solve in solves]
         if comm.rank == 0:
-            _print(rows, folder, comm.size, as_json=as_json)
+            _print(rows, folder, comm.size, resolved=resolved, as_json=as_json)
 
 
 @contextlib.contextmanager
@@ -88,6 +90,8 @@ def _solves(scene: Scene) -> list[Press]:
         effect.check_solver("bem --mpi", key=f"effect {effect.kind!r}")
     if "bem" not in scene.methods.solvers:
         raise UsageError("--mpi: solves by boundary elements; list methods.bem")
+    if scene.methods.options("bem").under_resolved:
+        raise UsageError("methods.bem.under_resolved: not with --mpi; leave it out, with its grids")
     grids = scene.methods.options("bem").grids
     solves = (solve for solve in solves_of(scene, problem) if solve.method == "bem" and solve.is_own)
     return [solve for solve in solves if solve.grid in grids]
@@ -107,7 +111,7 @@ def _solved(solve: Press, folder: Path, comm: Any) -> dict[str, Any]:
         surface = bem.SlabSurface.random(shape=solve.grid, comm=comm, **drawn)
     model = ContactModel.filled(solve.problem.elastic, solve.effects)
     (load,) = solve.problem.load.values
-    if solve.problem.load.key == "reduced_pressure":
+    if solve.problem.load.key == "reduced_pressure" and not isinstance(rough, FileSurface):
         load *= model.solid.contact_modulus * surface.rms_gradient
     else:
         load = solve.problem.pressure
@@ -152,9 +156,11 @@ def _finished(solve: Press, path: Path) -> dict[str, Any] | None:
     return None
 
 
-def _print(rows: list[dict[str, Any]], folder: Path, processes: int, *, as_json: bool) -> None:
-    areas = [row["areas"] | {"spacing": tuple(row["areas"]["spacing"])} for row in rows]
-    limit = limit_over([ContactAreas(**area) for area in areas])
+def _print(
+    rows: list[dict[str, Any]], folder: Path, processes: int, *, resolved: Sequence[bool], as_json: bool
+) -> None:
+    areas = [ContactAreas(**row["areas"] | {"spacing": tuple(row["areas"]["spacing"])}) for row in rows]
+    limit = limit_over([area for area, fine in zip(areas, resolved, strict=True) if fine] or areas)
     if as_json:
         print_json({"processes": processes, "grids": rows, "limit": asdict(limit)})
         return
@@ -166,4 +172,5 @@ def _print(rows: list[dict[str, Any]], folder: Path, processes: int, *, as_json:
         table.add_row("{} x {}".format(*row["grid"]), *counted, *spent, str(row["processes"]))
     show(table)
     claim = limit.doubt or f"{limit.value:.6g} +- {2 * limit.uncertainty:.2g} (95 %)"
-    show(f"Limit of A/A0 over these grids: {claim}. Boundary elements alone. Fields: {folder}/*.h5")
+    show(f"Limit of A/A0 over these grids: {claim}. Boundary elements alone, one surface, unshifted.")
+    show(f"Fields: {folder}/*.h5")

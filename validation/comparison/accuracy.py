@@ -168,9 +168,7 @@ def reach(scene: Scene, bench: Bench, *, target: float, time_limit: float | None
     if not scene.methods.solvers:
         raise UsageError("--accuracy: no solver is listed; add [methods.bem], whose grids are then chosen")
     if scene.ensemble is not None and isinstance(scene.surface, FileSurface):
-        raise UsageError(
-            "ensemble: --accuracy draws as many surfaces as it takes, not maps; remove it"
-        )
+        raise UsageError("ensemble: --accuracy draws as many surfaces as it takes, not maps; remove it")
     for k, effect in enumerate(scene.effects):
         if effect.slot not in _LAWFUL:
             raise UsageError(

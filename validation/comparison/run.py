@@ -194,7 +194,9 @@ def _link_blocks(results: Solves, folder: Path) -> Iterator[Path]:
 
 def sweep_data(sweep: Sweep, cases: Sequence[ContactProblem], results: Solves) -> xr.Dataset:
     """Gather the numbers of all cases over the swept keys, or over `case` where these run side by side."""
-    parts = _alike([_case(*pair, results) for pair in zip(sweep.scenes, cases, strict=True)])
+    parts = [_case(*pair, results) for pair in zip(sweep.scenes, cases, strict=True)]
+    doubts = list(filter(None, (str(part.attrs.get("doubts", "")) for part in parts)))
+    parts = _alike(parts)
     if "contact_modulus" not in parts[0]:
         raise RunFailed("; ".join(dict.fromkeys(part.failures.item() for part in parts)))
     names = [key.name for key in sweep.keys]
@@ -210,9 +212,12 @@ def sweep_data(sweep: Sweep, cases: Sequence[ContactProblem], results: Solves) -
         data[key.name].attrs.update(units=key.unit, long_name=key.key, key=key.key)
         numeric = data[key.name].dtype.kind in "fiu"
         data = data.sortby(key.name) if sweep.mode == "product" and numeric else data
-    alike = {"title", "methods", "effects", "theory", "drawn", "adhesive", "doubts"}
+    alike = {"title", "methods", "effects", "theory", "drawn", "adhesive"}
     shared = {name: value for name, value in parts[0].attrs.items() if name in alike}
     told = {"mode": sweep.mode, "cases": len(parts), "keys": " ".join(names)}
+    if doubts:
+        some = f" (in {len(doubts)} of {len(parts)} cases)" if len(doubts) < len(parts) else ""
+        told["doubts"] = "; ".join(dict.fromkeys(doubts)) + some
     return labelled(data, sweep.given).assign_attrs(shared | told)
 
 

@@ -76,6 +76,8 @@ class Press(Solve):
             "method": self.method,
             "grid": list(self.grid),
             "shift": list(self.shift),
+            # Moved before fewer points than those of a map are taken; solves of before were not.
+            **({"moved": "the map"} if any(self.shift) and self.problem.aliases(self.grid) else {}),
             **self.problem.recipe,
             "settings": dict(self.settings),
             "effects": [effect.model_dump(mode="json", exclude_none=True) for effect in self.effects],

@@ -30,8 +30,11 @@ _RESOLVED = 2 * (1 + 1e-9)
 _PARTS = (0.1, 0.5, 0.9)
 
 
-def on_grids(measured: xr.Dataset) -> xr.Dataset:
-    """Reduce a measurement that keeps distributions, at one load: its limit, and over (grid) areas, moments of P(sigma), patches, cost."""
+def on_grids(measured: xr.Dataset, *, wave_share: float) -> xr.Dataset:
+    """Reduce a measurement that keeps distributions, at one load: its limit, and over (grid) areas, moments of P(sigma), patches, cost.
+
+    `wave_share` is that of lambda_short^2 in the period.
+    """
     data = limits_of(measured).isel(load=0, drop=True)
     plain = measured.isel(load=0, drop=True).drop_vars(["points", "cells"], errors="ignore")
     names = {"area_pixel": "pixel", "area_perimeter": "perimeter", "area_located": "subcell"}
@@ -40,8 +43,8 @@ def on_grids(measured: xr.Dataset) -> xr.Dataset:
     read: dict[str, Any] = shift_means(measured.drop_vars(["points", "cells"], errors="ignore"), **at_load)
     width = float(np.diff(STRESS_EDGES)[0])
     cells = [
-        [weighted_percentile(row, PATCH_EDGES, part) * float(n) ** 2 for part in _PARTS]
-        for row, n in zip(plain.patch_area_profile.values, plain.points_per_wave.values, strict=True)
+        [weighted_percentile(row, PATCH_EDGES, part) * wave_share * float(n) for part in _PARTS]
+        for row, n in zip(plain.patch_area_profile.values, measured.cells.values, strict=True)
     ]
     return data.assign(
         **read,

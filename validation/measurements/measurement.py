@@ -120,19 +120,21 @@ def quantities_of(keep: tuple[str, ...]) -> tuple[str, ...]:
 
 
 def _recipe(
-    made: dict[str, Any], keep: tuple[str, ...], reduced_pressures: Any, problem: Any
+    made: dict[str, Any], keep: tuple[str, ...], reduced_pressures: Any, problem: Any, grids: Any
 ) -> dict[str, Any]:
     """Name what is read off, too: a stored result that lacks a number is another one."""
     if not made["effects"]:
         del made["effects"]
     # A surface that is cut has its lay; solves of before had lost it.
     lay = ["lay"] if "truncation" in made and "stretch" in made["surface"] else []
+    # So has a map on fewer points than its own that is moved: its waves were moved as the grid sees them.
+    moved = ["moved"] if made["shifts"] > 1 and any(map(problem.aliases, grids)) else []
     return {
         "truncation": None,
         **made,
         "kind": _KINDS[keep],
         "reduced_pressures": list(reduced_pressures or (reduced_load(problem),)),
-        "quantities": sorted([*quantities_of(keep), "cells", LOCATED_EDGES, *lay]),
+        "quantities": sorted([*quantities_of(keep), "cells", LOCATED_EDGES, *lay, *moved]),
     }
 
 
@@ -279,7 +281,7 @@ def truncated_heights(
     if truncation is None:
         return problem.heights(grid, shift)
     if isinstance(problem.surface, FileSurface):
-        return without_waves_beyond(problem.field, truncation).resampled(grid).shifted(shift)
+        return problem.on_points(without_waves_beyond(problem.field, truncation), grid, shift)
     drawn = waves_drawn(problem.surface, problem.realisation)
     drawn["q_short"] = min(truncation, drawn["q_short"])
     field = random_surface(**drawn, shape=grid).shifted(shift)

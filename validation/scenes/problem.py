@@ -78,10 +78,21 @@ class ContactProblem:
     def heights(self, grid: Grid, shift: Pair = (0.0, 0.0)) -> HeightField:
         """Return the surface on a grid, moved by parts of a cell."""
         if isinstance(self.surface, FileSurface):
-            field = self.field.resampled(grid)
-            return field if shift == (0.0, 0.0) else field.shifted(shift)
+            return self.on_points(self.field, grid, shift)
         assert self._waves is not None
         return self._signed(surfaces.sampled(self._waves, self.surface, grid, shift))
+
+    def aliases(self, grid: Grid) -> bool:
+        """Whether a grid has fewer points than the map along a side: it cannot carry all waves of it."""
+        return self.measured is not None and any(n < m for n, m in zip(grid, self.field.shape, strict=True))
+
+    def on_points(self, field: HeightField, grid: Grid, shift: Pair) -> HeightField:
+        """Return heights on the points of a map at those of a grid, moved by parts of its cell."""
+        if shift == (0.0, 0.0) or not self.aliases(grid):
+            field = field.resampled(grid)
+            return field if shift == (0.0, 0.0) else field.shifted(shift)
+        x, y = (part * m / n for part, m, n in zip(shift, field.shape, grid, strict=True))
+        return field.shifted((x, y)).resampled(grid)
 
     def _signed(self, field: HeightField) -> HeightField:
         return HeightField(heights=-field.heights, lengths=field.lengths) if self.inverted else field

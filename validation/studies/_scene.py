@@ -266,7 +266,9 @@ class PressedOptions(SurfaceOptions):
         if others and "methods" not in fields:
             yield f"Not used of the scene, for this study presses by boundary elements: {others}."
         shifts = "shifts" in scene.methods.options("bem").model_fields_set - fields.keys()
-        if idle := ["methods.bem.shifts"] * shifts + ["ensemble.grids"] * (scene.ensemble is not None):
+        idle = ["methods.bem.shifts"] * shifts + ["ensemble.grids"] * (scene.ensemble is not None)
+        idle += ["surface.more_paths"] * bool(getattr(surface, "more_paths", ()))
+        if idle:
             yield f"Keys of the scene that this study has no use for: {', '.join(idle)}."
         if names := ", ".join(name.replace("_", " ") for name in self.off):
             yield f"Parts of the study that a scene turns off: {names}."

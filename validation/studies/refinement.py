@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import math
 from dataclasses import replace
 from functools import partial
 from typing import Annotated, Any, Self
@@ -194,7 +195,8 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
 
 def _of_boundary_elements(options: Options, measured: Measured) -> xr.Dataset:
     surfaces, load = range(options.surfaces), options.reduced_pressure
-    data = gather({k: on_grids(measured["grids", k]) for k in surfaces}, "surface")
+    share = options.first.shortest**2 / math.prod(options.first.lengths)
+    data = gather({k: on_grids(measured["grids", k], wave_share=share) for k in surfaces}, "surface")
     # Persson's theory knows some of the effects of a scene.
     known = all(type(effect).has_theory() for effect in options.effects)
     theory = options.predicted(options.first) if known else None
