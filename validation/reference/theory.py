@@ -53,7 +53,7 @@ def persson_theory(
 
 @functools.lru_cache(maxsize=16)
 def theory_at_nodes(
-    hursts: tuple[float, ...], bandwidths: tuple[float, ...], loads: tuple[float, ...], lowest: float = 1.0
+    hursts: tuple[float, ...], bandwidths: tuple[float, ...], loads: tuple[float, ...], lowest: float
 ) -> Mapping[str, Array]:
     """Return the same over (hurst, bandwidth, reduced_pressure)."""
     pressures = np.array(loads)
