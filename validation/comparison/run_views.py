@@ -235,7 +235,7 @@ def _theory(data: xr.Dataset) -> Iterator[Finding]:
         yield finding("refusal", "Persson's theory gives {theory_note}.", data)
         return
     form = "The area is {verdict} Persson's theory: {area_excess:+%} of A/A0 = {area_persson:.4} with the "
-    form += f"realised gradient{'s, in the mean over the surfaces' * ('area_persson_each' in data)}"
+    form += f"realised gradient{'s' * ('area_persson_each' in data)}"
     form += "[, {area_ensemble:.4} from C(q) alone]"
     form += "[, {area_other_energy:.4} with another elastic energy][ ({theory_note})]."
     yield finding("comparison", form, data, by="area_excess")
