@@ -157,6 +157,11 @@ def test_a_swept_pressure_of_an_effect_is_not_that_of_the_load(tmp_path):
     smooth = '[[effects]]\nkind = "smoothing"\npressure = "10 kPa"\nhardness = "50 kPa"\n'
     swept = scene_in(tmp_path, text + smooth, "sweep.effects.smoothing.pressure=[1e4, 2e4]")
     assert swept.keys[0].name == "smoothing_pressure"
+    coated = '[[effects]]\nkind = "coating"\nyoung = "8 MPa"\nthickness = "1 um"\n'
+    loads = "sweep.load.reduced_pressure=[0.05, 0.1]"
+    alone = text.replace('second_young = "5 MPa"\nsecond_poisson = 0.45\n', "")
+    for more, name in (("", "reduced_pressure"), (coated, "load_reduced_pressure")):
+        assert scene_in(tmp_path, alone + more, loads).keys[0].name == name
     several = scene_in(tmp_path, text + ensemble(2, "[[24, 16], [36, 24]]"), seeds)
     data = run_sweep(several, tmp_path / "out", report=False).data
     texts = [found.text for found in sweep_views(data).findings]
