@@ -194,8 +194,10 @@ def contact_areas(
     truth("subcell", subcell)
     contact = result.in_contact
     dx, dy = result.spacing
-    across_x = int(np.count_nonzero(contact != np.roll(contact, 1, axis=0)))
-    across_y = int(np.count_nonzero(contact != np.roll(contact, 1, axis=1)))
+    # At the sides of a patch that does not repeat the cells end where the body does.
+    first = 0 if result.periodic else 1
+    across_x = int(np.count_nonzero((contact != np.roll(contact, 1, axis=0))[first:]))
+    across_y = int(np.count_nonzero((contact != np.roll(contact, 1, axis=1))[:, first:]))
     pixel = float(np.mean(contact * weights_of(result)))
     fraction = (across_x + across_y) / contact.size
     edges = contact_edges(result)
@@ -220,7 +222,7 @@ def discretisation(result: ContactResult) -> str:
     element, method = (result.provenance.get(key, "") for key in ("element", "method"))
     if element or not method.startswith("boundary elements"):
         return element
-    return "bem free" if method.endswith("free surroundings") else "bem"
+    return "bem" if result.periodic else "bem free"
 
 
 def _known(result: ContactResult, known: Mapping[str, _T], name: str) -> _T:
@@ -315,11 +317,14 @@ def contact_edges(result: ContactResult) -> Edges:
 
     check_result("result", result)
     contact, spacing = result.in_contact, result.spacing
-    smooth = scipy.ndimage.gaussian_filter(contact.astype(float), _SMOOTHING, mode="wrap")
+    mode: Any = "wrap" if result.periodic else "nearest"
+    smooth = scipy.ndimage.gaussian_filter(contact.astype(float), _SMOOTHING, mode=mode)
     slopes = [(np.roll(smooth, 1, k) - np.roll(smooth, -1, k)) / spacing[k] for k in (0, 1)]
     parts = []
     for axis, sign in ((0, 1), (0, -1), (1, 1), (1, -1)):
         inside = contact & ~np.roll(contact, -sign, axis)
+        if not result.periodic:
+            np.moveaxis(inside, axis, 0)[-1 if sign > 0 else 0] = False
         normal = [(slope + np.roll(slope, -sign, axis))[inside] for slope in slopes]
         length = np.hypot(normal[0], normal[1])
         cosine = sign * normal[axis] / np.where(length > 0, length, 1.0)

@@ -212,9 +212,14 @@ class ContactResult:
         return float(np.mean(weights * surely)), float(np.mean(weights * maybe))
 
     @property
+    def periodic(self) -> bool:
+        """Whether it repeats; a patch with free surroundings ends at its sides."""
+        return not self.provenance.get("method", "").endswith("free surroundings")
+
+    @property
     def mean_gap(self) -> float:
         """Mean gap [m]; 0 where the bodies have yielded, which overlap there."""
-        return float(np.mean(np.where(self.at_bound, 0.0, self.gap)))
+        return float(np.mean(weights_of(self) * np.where(self.at_bound, 0.0, self.gap)))
 
     def checked(self) -> Self:
         """Return this result if its solver converged and its residuals say the same.

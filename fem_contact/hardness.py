@@ -61,9 +61,9 @@ class Hardness:
         """Whether it depends on the size of a patch."""
         return self.length > 0 and self.exponent > 0
 
-    def of_patches(self, in_contact: Mask, spacing: Lengths) -> Array:
+    def of_patches(self, in_contact: Mask, spacing: Lengths, *, periodic: bool = True) -> Array:
         """Return what each point bears [Pa], (nx, ny); out of contact, what a patch of one cell would."""
-        patches = find_patches(in_contact, spacing)
+        patches = find_patches(in_contact, spacing, periodic=periodic)
         areas = np.append(spacing[0] * spacing[1], patches.areas)
         factor = (1 + self.length / (2 * np.sqrt(areas / np.pi))) ** self.exponent
         return self.pressure * factor[patches.labels]
@@ -84,6 +84,8 @@ class YieldedContact:
         Depth [m] by which the surfaces have moved into each other for good, 0 where nothing yielded.
     surface : HeightField
         The smoothed surface: the heights that are left after unloading, h less the indentation.
+    volume : float
+        Indented volume per nominal area [m].
     """
 
     elastic_area: float
@@ -93,11 +95,7 @@ class YieldedContact:
     plastic_load: float
     indentation: Array = field(repr=False)
     surface: HeightField = field(repr=False)
-
-    @property
-    def volume(self) -> float:
-        """Indented volume per nominal area [m]."""
-        return float(np.mean(self.indentation))
+    volume: float
 
 
 def yielded(contact: ContactResult) -> YieldedContact:
@@ -136,6 +134,7 @@ def yielded(contact: ContactResult) -> YieldedContact:
         plastic_load=float(np.mean(load * plastic)),
         indentation=indentation,
         surface=HeightField(heights=contact.heights - indentation, lengths=contact.lengths),
+        volume=float(np.mean(weights * indentation)),
     )
 
 
@@ -183,7 +182,8 @@ def press_by_patches(
     for _ in range(_ROUNDS):
         result = press(limits)
         costs.append(result.cost)
-        lower = np.minimum(limits, hardness.of_patches(result.in_contact, surface.spacing))
+        there, periodic = result.in_contact, result.periodic
+        lower = np.minimum(limits, hardness.of_patches(there, surface.spacing, periodic=periodic))
         if np.all(lower >= limits) or result.status is not Status.CONVERGED:
             break
         limits = lower

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fem_contact._checks import mask, pair, positive
+from fem_contact._checks import mask, pair, positive, truth
 from fem_contact._types import Array, Lengths, Mask, Numbers
 
 
@@ -35,8 +35,8 @@ class Patches:
         return float(np.sum(self.areas**2)) / total if total > 0 else 0.0
 
 
-def find_patches(in_contact: Mask, spacing: Lengths) -> Patches:
-    """Find the patches of a periodic contact map: cells connected by their sides.
+def find_patches(in_contact: Mask, spacing: Lengths, *, periodic: bool = True) -> Patches:
+    """Find the patches of a contact map: cells connected by their sides.
 
     Parameters
     ----------
@@ -44,6 +44,8 @@ def find_patches(in_contact: Mask, spacing: Lengths) -> Patches:
         Contact cells.
     spacing : tuple of float
         Cell size (dx, dy) [m].
+    periodic : bool
+        Whether opposite sides of the map touch.
 
     Raises
     ------
@@ -61,12 +63,13 @@ def find_patches(in_contact: Mask, spacing: Lengths) -> Patches:
     from scipy.sparse.csgraph import connected_components
 
     mask("in_contact", in_contact)
+    truth("periodic", periodic)
     dx, dy = pair("spacing", spacing, positive, what="the size of a cell (dx, dy) in m")
     open_labels = np.zeros(in_contact.shape, dtype=np.int64)
     count = int(scipy.ndimage.label(in_contact, output=open_labels))
     # Labels that touch across the period.
     first, second = np.concatenate([open_labels[[-1, 0]], open_labels[:, [-1, 0]].T], axis=1)
-    both = (first > 0) & (second > 0)
+    both = (first > 0) & (second > 0) & periodic
     first, second = first[both], second[both]
     graph = coo_array((np.ones(first.size), (first, second)), shape=(count + 1, count + 1))
     _, merged = connected_components(graph, directed=False)

@@ -11,7 +11,7 @@ from fem_contact._types import Array
 from fem_contact.contact import ContactResult, check_result, weights_of
 from fem_contact.errors import InvalidInput
 from fem_contact.patches import find_patches
-from fem_contact.surface import HeightField
+from fem_contact.surface import HeightField, Patch
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -94,6 +94,11 @@ class DensityAtZero:
 _WINDOW = 0.2
 
 
+def _surface_of(result: ContactResult) -> HeightField:
+    kind = HeightField if result.periodic else Patch
+    return kind(heights=result.heights, lengths=result.lengths)
+
+
 def density_at_zero(result: ContactResult) -> DensityAtZero:
     r"""Density of contact pressure at vanishing pressure, seen through a window that closes with the grid.
 
@@ -115,7 +120,7 @@ def density_at_zero(result: ContactResult) -> DensityAtZero:
         For a flat surface, which has no such pressure scale.
     """
     check_result("result", result)
-    _, m2, m4 = HeightField(heights=result.heights, lengths=result.lengths).moments
+    _, m2, m4 = _surface_of(result).moments
     if not m2 > 0:
         raise InvalidInput("a flat surface has no scale of pressure: P(0+) is undefined")
     dx, dy = result.spacing
@@ -182,7 +187,7 @@ def window_slope(
     check_result("result", result)
     bins = whole("bins", bins, least=1, most=10**6)
     window = pair("window", window, non_negative, what="two increasing pressures in units of E* h'_rms")
-    stress = result.contact_modulus * HeightField(heights=result.heights, lengths=result.lengths).rms_gradient
+    stress = result.contact_modulus * _surface_of(result).rms_gradient
     if not stress > 0:
         raise InvalidInput("a flat surface has no scale of pressure: the slope of P is undefined")
     if not window[0] < window[1]:
@@ -197,7 +202,7 @@ def window_slope(
         slope=slope / float(stress) ** 2,
         reduced=slope,
         uncertainty=slope / np.sqrt(count) if count > 0 else np.inf,
-        patches=find_patches(result.in_contact, result.spacing).count,
+        patches=find_patches(result.in_contact, result.spacing, periodic=result.periodic).count,
     )
 
 

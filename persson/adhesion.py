@@ -272,10 +272,13 @@ def _approach(case: _Case, tolerance: float, rounds: int) -> AdhesiveContact | N
     """
     scale, gamma = case.scale, case.interface.work_of_adhesion
     largest = math.sqrt(case.interface.alpha * gamma * float(scale.modulus(scale.q_min)) * scale.q_min)
+    hardness, most = case.yield_stress, 3 * largest
+    limit = hardness(np.array([scale.q_min]))[0] if callable(hardness) else hardness or math.inf
+    most = most if most < limit else 0.5 * limit  # a solid that yields bears less
     state: AdhesiveContact | None = None
     slope = math.inf
     for power in range(12):
-        load = 3 * largest * 0.2**power
+        load = most * 0.2**power
         under_load = replace(case, pressure=load)
         state = _iterate(under_load, _SPACINGS[0], state, 1e-4, min(rounds, _ROUNDS_UNDER_LOAD))
         if state.macroscopic_work > 0:

@@ -124,13 +124,13 @@ def radial_spectrum(surface: HeightField, *, band: tuple[float, float] | None = 
     q = np.hypot(qx[:, None], qy[None, :])
     unit = 2 * np.pi / min(surface.lengths)
     # A wave at a cut-off is in the band, whatever its last digit.
-    inside = (q >= low * (1 - 1e-9)) & (q <= high * (1 + 1e-9))
+    inside = (q > 0) & (q >= low * (1 - 1e-9)) & (q <= high * (1 + 1e-9))
     ring = np.rint(q[inside] / unit).astype(np.int64)
     count = np.bincount(ring)
     cell = (2 * np.pi) ** 2 / (surface.lengths[0] * surface.lengths[1])
     power = np.bincount(ring, weights=np.abs(coefficients[inside]) ** 2) / cell
     mean_q = np.bincount(ring, weights=q[inside])
-    filled = (count > 0) & (np.arange(count.size) > 0)
+    filled = count > 0  # on an oblong period waves along its longer side lie in the ring below the first, too
     return RadialSpectrum(
         q=mean_q[filled] / count[filled], power=power[filled] / count[filled], count=count[filled]
     )

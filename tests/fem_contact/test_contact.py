@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from made_results import made_contact
 
-from fem_contact import FemContactError, NotConverged, Residuals, Status
+from fem_contact import FemContactError, HeightField, NotConverged, Residuals, Solid, Status, block
 
 SHAPE = (3, 4)
 FIELDS = ("pressure", "gap", "displacement", "in_contact", "at_bound", "heights")
@@ -111,3 +111,13 @@ def test_results_are_compared_by_identity_because_arrays_have_no_single_truth():
     assert one == one
     assert one != other
     assert len({one, other}) == 2
+
+
+def test_the_mean_gap_counts_each_point_by_its_area():
+    """On a quadratic block of finite depth mean(w u) = p0 d (1 + nu)(1 - 2 nu) / (E (1 - nu))."""
+    x = np.arange(24) / 24
+    wave = HeightField(heights=0.02 * np.cos(2 * np.pi * x)[:, None] * np.ones(24), lengths=(1.0, 1.0))
+    body = Solid(young=1.0, poisson=0.3)
+    found = block.solve(wave, body, mean_pressure=0.02, depth=0.5, element="Hex2").contact.checked()
+    sunk = 0.02 * 0.5 * 1.3 * 0.4 / 0.7
+    assert found.mean_gap == pytest.approx(sunk + found.offset, rel=1e-6)

@@ -9,9 +9,21 @@ from numpy.testing import assert_allclose
 from scipy.integrate import dblquad
 from surfaces import rough_surface
 
-from fem_contact import FreeHalfSpace, HalfSpace, InvalidInput, Solid, UnsupportedEffect, adhesion, bem
+from fem_contact import (
+    FreeHalfSpace,
+    HalfSpace,
+    Hardness,
+    InvalidInput,
+    Solid,
+    UnsupportedEffect,
+    adhesion,
+    bem,
+    contact_areas,
+    find_patches,
+    press_yielding,
+)
 from fem_contact.complementarity import FreeOperator
-from fem_contact.stress import elastic_energy, loading_work
+from fem_contact.stress import density_at_zero, elastic_energy, loading_work, window_slope
 from fem_contact.subsurface import fields_below
 from fem_contact.surface import HeightField, Patch
 
@@ -143,3 +155,26 @@ def test_a_rough_patch_pressed_to_its_edges_takes_few_steps():
     surface = rough_surface((96, 96), seed=5, waves=12)
     load = 0.3 * MODULUS * surface.rms_gradient
     assert bem.solve(surface, FREE, mean_pressure=load).checked().cost.iterations <= 18
+
+
+def test_what_lies_at_opposite_sides_of_a_patch_does_not_touch():
+    """Two strips at the sides are two patches, whose outer sides are no edges of contact."""
+    x = (np.arange(48) + 0.5) / 48
+    heights = np.where(abs(x - 0.5) > 0.3, 0.0, -0.2)[:, None] * np.ones(48)
+    body = FreeHalfSpace(solid=Solid(young=1.0, poisson=0.0))
+    hardness = Hardness(pressure=0.05, length=0.3, exponent=1)
+    found = press_yielding(
+        Patch(heights=heights, lengths=(1.0, 1.0)), body, hardness=hardness, mean_pressure=0.028
+    ).checked()
+    assert not found.periodic
+    assert find_patches(found.in_contact, found.spacing, periodic=False).count == 2
+    assert find_patches(found.in_contact, found.spacing).count == 1
+    strip = found.in_contact.mean() / 2
+    bears = 0.05 * (1 + 0.3 / (2 * (strip / np.pi) ** 0.5))
+    assert found.pressure.max() == pytest.approx(bears, rel=1e-9)
+    assert contact_areas(found).edge_fraction == pytest.approx(2 / 48)
+    assert window_slope(found).patches == 2
+    tilted = Patch(heights=heights + 0.2 * x[:, None], lengths=(1.0, 1.0))
+    tried = bem.solve(tilted, body, mean_pressure=0.01).checked()
+    density = density_at_zero(tried)
+    assert density.reduced == pytest.approx(density.density * tilted.rms_gradient, rel=1e-12)

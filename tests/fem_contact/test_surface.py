@@ -283,3 +283,11 @@ def test_rings_at_a_cut_off_are_means_over_the_waves_that_a_surface_is_made_of()
     assert whole.power[7] < 0.7 * whole.q[7] ** -3.6
     with pytest.raises(InvalidInput, match="band = 3: must be a pair of wavevectors"):
         radial_spectrum(surface, band=3)
+
+
+def test_rings_of_an_oblong_period_hold_all_waves():
+    surface = random_surface(lambda q: q**-3.0, q_short=20.0, lengths=(4.0, 1.0), shape=(64, 16), seed=5)
+    rings = radial_spectrum(surface)
+    cell = (2 * np.pi) ** 2 / np.prod(surface.lengths)
+    assert np.sum(rings.power * rings.count) * cell == pytest.approx(surface.moments[0], rel=1e-9)
+    assert rings.q.min() < np.pi  # half of the wavevector of the shorter side

@@ -198,3 +198,13 @@ def test_weak_adhesion_under_load_settles_in_a_few_rounds(hurst, bandwidth, pres
     result = solve_adhesion(scale, pressure=pressure * np.sqrt(variance[-1]), interface=interface).checked()
     assert result.macroscopic_work < 0
     assert result.rounds <= 10
+
+
+def test_without_load_a_soft_solid_sticks_as_from_any_start():
+    spectrum = SelfAffine.from_rms_height(1e-9, hurst=0.8, q_long=2 * np.pi * 1e6, q_short=2 * np.pi * 1e8)
+    scale = Scale(spectrum, contact_modulus=1e9)
+    asked = {"pressure": 0.0, "interface": Interface(work_of_adhesion=0.05)}
+    soft = solve_adhesion(scale, yield_stress=5e6, **asked)
+    hard = solve_adhesion(scale, yield_stress=1e9, **asked)
+    assert {soft.status, hard.status} == {AdhesionStatus.CONVERGED}
+    assert soft.real_area == pytest.approx(hard.real_area, rel=1e-6)

@@ -310,7 +310,7 @@ class Run:
 
 #: Read off the fields of one solve, and with which power of the spacing they converge at least.
 _READ: Mapping[str, tuple[Callable[[Stored], float], float]] = {
-    "mean_gap": (lambda solve: float(np.mean(np.where(solve.bound, 0.0, solve.gap))), 1.5),
+    "mean_gap": (lambda solve: float(np.mean(solve.weights * np.where(solve.bound, 0.0, solve.gap))), 1.5),
     "approach": (lambda solve: -float(solve.attrs["offset"]), 1.5),
     "largest_pressure": (lambda solve: float(np.max(solve.p)), 1.0),
 }

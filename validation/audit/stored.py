@@ -138,7 +138,8 @@ class Stored:
     def edges(self) -> float:
         """Cell edges between contact and none, over the number of cells."""
         c = self.contact
-        return float(sum(np.sum(c != np.roll(c, 1, axis)) for axis in (0, 1)) / c.size)
+        rows = (np.moveaxis(c != np.roll(c, 1, axis), axis, 0)[self.free :] for axis in (0, 1))
+        return float(sum(map(np.sum, rows)) / c.size)
 
     @property
     def perimeter(self) -> float:
@@ -160,6 +161,8 @@ class Stored:
     @cached_property
     def density_at_zero(self) -> float:
         """Share below eps = 0.2 E* h' sqrt(dx / l), l = 2 pi sqrt(m2 / m4), over eps; times E* h'."""
+        if self.free:
+            return math.nan
         _, m2, m4 = self.moments
         stress = self.modulus * math.sqrt(m2)
         step = math.sqrt(math.prod(self.spacing))

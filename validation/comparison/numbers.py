@@ -402,7 +402,7 @@ def in_numbers(data: xr.Dataset, case: Case) -> xr.Dataset:
             "mean_gap": result.mean_gap,
             "approach": -result.offset,
             "largest_pressure": float(result.pressure.max()),
-            "patches": float(find_patches(result.in_contact, result.spacing).count),
+            "patches": float(find_patches(result.in_contact, result.spacing, periodic=result.periodic).count),
         }
         some = result.in_contact.any() and not result.in_contact.all()
         # The stiffness of a contact set is exact where points weigh alike on an elastic response.

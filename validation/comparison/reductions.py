@@ -75,8 +75,11 @@ class Reading:
 
 
 def _density(result: ContactResult, *, adhesive: bool) -> float:
-    """P(0+) E* h'_rms; none with adhesion, whose tension a window from zero on would hold."""
-    if adhesive:
+    """P(0+) E* h'_rms; none with adhesion, whose tension a window from zero on would hold, nor of a patch.
+
+    What of the gradient of a patch is its roughness, and what its shape, the fields do not tell.
+    """
+    if adhesive or not result.periodic:
         return math.nan
     density = density_at_zero(result)
     # A window that reaches up to the hardness sees what has yielded.

@@ -166,7 +166,7 @@ class Contact:
         """Return the connected patches of the contact and their areas [m^2]."""
         from fem_contact.patches import find_patches
 
-        return find_patches(self.result.in_contact, self.result.spacing)
+        return find_patches(self.result.in_contact, self.result.spacing, periodic=self.result.periodic)
 
     def to_xarray(self) -> xr.Dataset:
         """Return the fields over x and y with units: pressure, gap, displacement, heights, contact."""
