@@ -140,7 +140,8 @@ def solve_displacement(
     Parameters
     ----------
     mean_gap, offset : float
-        Mean gap, or distance of the mean planes before deformation [m]; exactly one of them.
+        Mean gap, or distance of the mean planes before deformation [m]; exactly one of them. With a bound
+        overlaps count as negative gaps here, and as none in `ContactResult.mean_gap`.
     surface, response, pressure_bound, tolerance, max_iterations, time_limit, threads
         As in `solve`.
 

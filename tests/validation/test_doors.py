@@ -19,6 +19,7 @@ import fem_contact as fc
 from validation.execution.bench import Bench
 from validation.execution.results import read_results
 from validation.notebook import Contact
+from validation.reference import table
 from validation.report.estimates import total_error
 from validation.report.values import Value
 from validation.scenes.scene import load_scene
@@ -220,6 +221,35 @@ def test_a_run_beside_itself_differs_in_nothing(doors):
     assert "agree to the last digit" in texts
     errors = [name for name in both if str(name).endswith("_error") and "_apart" not in str(name)]
     assert differing(run[errors], both.isel(result=1)[errors]) == []
+
+
+def test_the_record_that_is_read_without_us_is_that_of_the_dataset(doors):
+    run = numbers(doors / "run")
+    records = json.loads((doors / "run" / "summary.json").read_text())["numbers"]
+    single = {name for name, values in run.variables.items() if values.ndim == 0}
+    assert set(records) >= {name for name in single if not name.endswith("_error")}
+    for name, record in records.items():
+        value, error = run[name].item(), total_error(run, name)
+        assert record["value"] == value or (record["value"] is None and np.isnan(value)), name
+        expected = None if error is None or np.isnan(error) else error.item()
+        assert record.get("error") == expected, name
+
+
+def test_every_cell_of_the_reference_is_what_is_looked_up_there():
+    data = table()
+    names = ("amplitudes", "hurst", "bandwidth", "reduced_pressure")
+    cells = data.area.stack(cell=names).dropna("cell").cell.values.tolist()
+    # One in twenty-nine, which no axis has in common: each takes half a second of interpolation.
+    for place in cells[::29]:
+        at = dict(zip(names, place, strict=True))
+        cell = data.sel(at)
+        by_spectrum = fc.reference(**at, gradient="spectrum")
+        looked_up = {f"{name}_by_spectrum": value for name, value in by_spectrum.items()} | fc.reference(**at)
+        for name, value in looked_up.items():
+            quantity, per = name.replace("kappa", "area"), place[-1] if "kappa" in name else 1.0
+            expected = (float(cell[quantity]) / per, float(total_error(cell, quantity)) / per)
+            assert (value.value, value.uncertainty) == pytest.approx(expected, rel=1e-12), (name, at)
+    assert len(cells[::29]) > 8
 
 
 def test_the_command_looks_up_what_the_notebook_does():

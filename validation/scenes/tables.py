@@ -319,7 +319,7 @@ class Load(Table):
     reduced_pressure: _OneOrSeveral[_Ratio] | None = key("p* = p0 / (E* h'_rms), e.g. 0.05", None)
     force: Force | None = key('p0 times the nominal area, e.g. "10 mN"', None)
     mean_gap: Annotated[float, quantity("m", "length", "50 nm"), Field(ge=0)] | None = key(
-        'mean gap that is held, e.g. "50 nm"', None
+        'mean gap that is held, overlaps of a solid that yields counted as negative, e.g. "50 nm"', None
     )
     offset: Annotated[float, quantity("m", "length", "400 nm")] | None = key(
         'distance of the mean planes before deformation that is held, e.g. "400 nm"; -approach', None

@@ -267,8 +267,7 @@ class PressedOptions(SurfaceOptions):
             yield f"Not used of the scene, for this study presses by boundary elements: {others}."
         shifts = "shifts" in scene.methods.options("bem").model_fields_set - fields.keys()
         idle = ["methods.bem.shifts"] * shifts + ["ensemble.grids"] * (scene.ensemble is not None)
-        idle += ["surface.more_paths"] * bool(getattr(surface, "more_paths", ()))
-        if idle:
+        if idle := idle + ["surface.more_paths"] * bool(getattr(surface, "more_paths", ())):
             yield f"Keys of the scene that this study has no use for: {', '.join(idle)}."
         if names := ", ".join(name.replace("_", " ") for name in self.off):
             yield f"Parts of the study that a scene turns off: {names}."
@@ -289,11 +288,8 @@ _SPECTRUM = frozenset({"hurst", "periods", "bandwidth", "seed"})
 def _clash(name: str, *, off: bool, scene: str) -> str:
     flag = "--" + name.replace("_", "-")
     if off:
-        return (
-            f"{flag}: is of a part with surfaces of its own, which is left out on a scene; leave {flag} out"
-        )
-    key = _KEYS.get(name)
-    remedy = f"set it there, by --set {key}=..., or leave" if key else "leave"
+        return f"{flag}: is of a part with surfaces of its own, left out on a scene; leave {flag} out"
+    remedy = f"set it there, by --set {_KEYS[name]}=..., or leave" if name in _KEYS else "leave"
     return f"{flag}: the scene {scene!r} says it; {remedy} {flag} out"
 
 
