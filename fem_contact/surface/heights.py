@@ -242,14 +242,17 @@ class Patch(HeightField):
         return self.rms_height**2, gradient, float(np.mean(bent**2)) if bent.size else 0.0
 
     def _power(self) -> tuple[Array, Array, Array]:
-        """Squares of the waves of the patch under a Hann window, over the mean square of the window."""
+        return self.windowed()._power()
+
+    def windowed(self) -> HeightField:
+        """Return the heights under a Hann window of mean square 1, which may be repeated."""
         sides = (
             np.sqrt(8 / 3) * np.sin(np.pi * (np.arange(n) + 0.5) / n) ** 2 if n > 1 else np.ones(1)
             for n in self.shape
         )
         weights = np.multiply.outer(*sides)
         mean = float(np.mean(weights * self.heights) / np.mean(weights))
-        return HeightField(heights=weights * (self.heights - mean), lengths=self.lengths)._power()
+        return HeightField(heights=weights * (self.heights - mean), lengths=self.lengths)
 
     def _sampled(self, shape: Shape, fraction: tuple[float, float]) -> HeightField:
         if fraction != (0.0, 0.0):

@@ -100,7 +100,7 @@ def measured_lay(surface: HeightField) -> Lay:
 
 
 def radial_spectrum(surface: HeightField, *, band: tuple[float, float] | None = None) -> RadialSpectrum:
-    """Measure C(q) of a periodic surface, averaged over rings one fundamental wavevector wide.
+    """Measure C(q) averaged over rings one fundamental wavevector wide, of a patch under a Hann window.
 
     Convention as in Persson 2006, <h^2> = 2 pi int q C dq; multiply by (2 pi)^2 for the areal PSD of other
     communities.
@@ -120,7 +120,7 @@ def radial_spectrum(surface: HeightField, *, band: tuple[float, float] | None = 
     instance("surface", surface, HeightField)
     what = "a pair of wavevectors (least, largest) in 1/m"
     low, high = (0.0, np.inf) if band is None else pair("band", band, non_negative, what=what)
-    qx, qy, coefficients = interpolant(surface)
+    qx, qy, coefficients = interpolant(surface.windowed() if isinstance(surface, Patch) else surface)
     q = np.hypot(qx[:, None], qy[None, :])
     unit = 2 * np.pi / min(surface.lengths)
     # A wave at a cut-off is in the band, whatever its last digit.

@@ -7,8 +7,15 @@ from hypothesis import strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
 from refusing import refused
 
-from fem_contact import HeightField, InvalidInput, radial_spectrum, random_surface, resolves
-from fem_contact.surface import random_waves
+from fem_contact import (
+    HeightField,
+    InvalidInput,
+    estimate_spectrum,
+    radial_spectrum,
+    random_surface,
+    resolves,
+)
+from fem_contact.surface import Patch, random_waves
 
 EPS = np.finfo(float).eps
 LENGTHS = (1.0, 1.0)
@@ -291,3 +298,15 @@ def test_rings_of_an_oblong_period_hold_all_waves():
     cell = (2 * np.pi) ** 2 / np.prod(surface.lengths)
     assert np.sum(rings.power * rings.count) * cell == pytest.approx(surface.moments[0], rel=1e-9)
     assert rings.q.min() < np.pi  # half of the wavevector of the shorter side
+
+
+def test_the_rings_of_a_tilted_patch_are_those_under_its_window():
+    rough = random_surface(lambda q: q**-3.6, q_short=150.0, lengths=(1.0, 1.0), shape=(64, 64), seed=5)
+    tilted = rough.heights + 10 * np.arange(64)[:, None] / 64 * rough.rms_height
+    rings, estimate = (
+        radial_spectrum(Patch(heights=tilted, lengths=(1.0, 1.0))),
+        estimate_spectrum(tilted, (1.0, 1.0)),
+    )
+    same = np.isin(rings.q, estimate.q)
+    assert_allclose(rings.power[same], estimate.power, rtol=1e-9)
+    assert same.sum() == estimate.q.size
