@@ -202,7 +202,7 @@ def rubber_friction(
     pressure : float
         Nominal pressure sigma_0 [Pa].
     velocity : float
-        v [m/s]; its sign does not matter.
+        v [m/s] along x, that of a lay; its sign does not matter.
     modulus : callable
         E(omega) [Pa], complex, for an array of frequencies omega >= 0 [1/s]; Im E >= 0 is the loss modulus.
     poisson : float
@@ -239,10 +239,15 @@ def rubber_friction(
     # <|grad h|^2> of each ring, exactly, over q^2, shared out over a quarter of the directions.
     ring = np.diff(spectrum.m2(edges)) / middle**2 / _DIRECTIONS
     angle = (np.arange(_DIRECTIONS) + 0.5) * (math.pi / 2 / _DIRECTIONS)
+    qx, qy = np.outer(middle, np.cos(angle)), np.outer(middle, np.sin(angle))
+    power = np.repeat(ring[:, None], _DIRECTIONS, axis=1)
+    if (lay := getattr(spectrum, "directional", None)) is not None:
+        along = np.asarray(lay(qx, qy))
+        power *= along / np.maximum(along.mean(axis=1, keepdims=True), np.finfo(float).tiny)
     return friction_of_waves(
-        np.outer(middle, np.cos(angle)).ravel(),
-        np.outer(middle, np.sin(angle)).ravel(),
-        power=np.repeat(ring, _DIRECTIONS),
+        qx.ravel(),
+        qy.ravel(),
+        power=power.ravel(),
         pressure=pressure,
         velocity=velocity,
         modulus=modulus,

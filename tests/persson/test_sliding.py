@@ -8,6 +8,7 @@ from scipy.integrate import quad
 
 from persson import SelfAffine, StandardSolid, friction_of_waves, rubber_friction
 from persson.elastic import contact_area, stress_variance
+from persson.stretched import Stretched
 
 ROAD = SelfAffine.from_rms_gradient(0.3, hurst=0.8, q_long=1e3, q_short=1e5)
 RUBBER = StandardSolid(relaxed=1e6, unrelaxed=3e7, time=1e-2)
@@ -77,3 +78,17 @@ def test_full_contact_loses_what_every_wave_loses():
 def test_modulus_and_loss_compliance_of_the_standard_solid_belong_together():
     omega = np.geomspace(1e-3, 1e6, 30)
     assert RUBBER.loss_compliance(omega) == pytest.approx(-(1 / RUBBER.modulus(omega)).imag, rel=1e-9)
+
+
+def test_along_a_lay_friction_is_that_of_its_waves():
+    lay = Stretched(spectrum=ROAD, factor=5.0)
+    q, angle = np.geomspace(lay.q_min, lay.q_short, 1500), (np.arange(720) + 0.5) * 2 * np.pi / 720
+    middle = np.sqrt(q[1:] * q[:-1])
+    x, y = (np.outer(middle, part(angle)) for part in (np.cos, np.sin))
+    power = lay.directional(x, y) * (middle * np.diff(q))[:, None] * 2 * np.pi / 720
+    there = power > 0
+    expected = friction_of_waves(x[there], y[there], power=power[there], velocity=0.1, **TOLD)
+    found = rubber_friction(lay, velocity=0.1, **TOLD)
+    assert found.friction == pytest.approx(expected.friction, rel=0.01)
+    even = rubber_friction(ROAD, velocity=0.1, **TOLD)
+    assert found.friction < 0.5 * even.friction
