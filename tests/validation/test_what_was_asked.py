@@ -114,6 +114,15 @@ def test_a_study_reads_the_theory_as_its_scene_does(tmp_path):
     assert options.predicted(options.first).area == told[0] != told[1]
 
 
+def test_a_study_says_on_what_its_loads_stand_and_which_maps_it_leaves(maps, tmp_path):
+    coated = '[[effects]]\nkind = "coating"\nyoung = "8 MPa"\nthickness = "1 um"\n'
+    options = refinement.Options(scene=text_in(tmp_path, square_scene(coated)), surfaces=1)
+    assert "E* of the solid under the coating" in " ".join(options.remarks())
+    maps("treatment = false")
+    options = refinement.Options(scene=text_in(tmp_path, MAPS.format(more="treatment = false")))
+    assert "surface.more_paths" in " ".join(options.remarks())
+
+
 def text_in(folder, text):
     (folder / "scene.toml").write_text(text)
     return str(folder / "scene.toml")
