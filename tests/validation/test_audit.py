@@ -247,14 +247,14 @@ def test_the_displacement_of_a_bonded_layer_is_judged(audited, tmp_path):
     assert wrong_of(judge_fields, 0, one, run) == ["u against 2 p / (E* q)"]
 
 
-def test_a_coated_solid_is_judged_by_the_modulus_of_its_coating(audited, tmp_path):
+def test_a_coated_solid_is_judged_by_both_its_moduli(audited, tmp_path):
     audited(ONE_BODY, ("[methods.theory]", _COAT))
     run = _run(tmp_path / "results")
     data = read_results(tmp_path / "results").data
-    assert float(data.contact_modulus) == pytest.approx(5e6 / (1 - 0.3**2), rel=1e-12)
-    assert float(data.contact_modulus_below) == pytest.approx(run.modulus, rel=1e-12)
-    wrong = _changed(tmp_path / "results", lambda d: d.assign(contact_modulus_below=1.01 * run.modulus))
-    assert "contact_modulus_below" in wrong
+    assert float(data.surface_modulus) == pytest.approx(5e6 / (1 - 0.3**2), rel=1e-12)
+    assert float(data.contact_modulus) == pytest.approx(run.modulus, rel=1e-12)
+    wrong = _changed(tmp_path / "results", lambda d: d.assign(surface_modulus=1.01 * d.surface_modulus))
+    assert "surface_modulus" in wrong
 
 
 def test_a_sweep_is_read_case_by_case(write_scene, tmp_path):

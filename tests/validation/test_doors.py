@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from commanding import answer_of, output_of
-from small_scene import HARD, ensemble, small_scene
+from small_scene import HARD, ONE_BODY, ensemble, small_scene
 
 import fem_contact as fc
 from validation.execution.bench import Bench
@@ -36,6 +36,7 @@ _DRAWN = re.compile(
 MORE = {
     "elastic": "",
     "yielding": HARD,
+    "coated": '[[effects]]\nkind = "coating"\nyoung = "8 MPa"\npoisson = 0.3\nthickness = "0.4 um"\n',
     "several": ensemble(3, "[[24, 16], [36, 24]]")
     + '[quantities.leak]\nviscosity = "1 mPa s"\npressure_drop = "1 kPa"\n',
 }
@@ -99,7 +100,8 @@ def doors(request, once, tmp_path_factory):
 
 def _by_every_door(case, folder):
     scene = folder / "scene.toml"
-    scene.write_text(small_scene("[methods.theory]\n") + MORE[case])
+    text = small_scene("[methods.theory]\n") + MORE[case]
+    scene.write_text(text.replace(*ONE_BODY) if case == "coated" else text)
     for name in ("run", "again"):
         output_of(f"run {scene} --output {folder / name} --quiet --no-report")
     several = case == "several"
@@ -112,7 +114,7 @@ def _by_every_door(case, folder):
 
 
 #: Neither notebook nor study has what is of several surfaces or flows.
-ONE_SURFACE = pytest.mark.parametrize("doors", ["elastic", "yielding"], indirect=True)
+ONE_SURFACE = pytest.mark.parametrize("doors", ["elastic", "yielding", "coated"], indirect=True)
 
 
 def numbers(folder):
@@ -124,7 +126,7 @@ def said(scene):
     return {
         "surface": fc.self_affine(**scene.surface.model_dump(exclude={"kind"}, exclude_none=True)),
         **scene.solid.model_dump(exclude_none=True),
-        **{effect.kind: effect.hardness for effect in scene.effects},
+        **{e.kind: e.model_dump(exclude={"kind"}, exclude_none=True) for e in scene.effects},
     }
 
 

@@ -149,7 +149,7 @@ def test_over_a_coating_kappa_is_no_number_of_a_homogeneous_solid(small_scene, t
     coat = ["effects.coating.young='5 MPa'", "effects.coating.poisson=0.3"]
     sweep = scene_in(tmp_path, one_body, *coat, "sweep.effects.coating.thickness=['1 um', '2 um']")
     texts = [one.text for one in sweep_views(run_sweep(sweep, tmp_path, report=False).data).findings]
-    assert sum(text.startswith("p* and kappa stand on E* of the layer") for text in texts) == 1
+    assert sum(text.startswith("p* and kappa stand on E* of the solid below") for text in texts) == 1
 
 
 def test_findings_of_a_sweep_reverse_with_the_numbers(swept):

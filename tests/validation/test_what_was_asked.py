@@ -107,6 +107,17 @@ def test_surfaces_of_a_study_at_one_load_have_one_reduced_pressure(tmp_path):
     assert len({problem.pressure for problem in options.pressed}) == 3
 
 
+def test_the_theory_of_a_study_is_told_each_of_its_surfaces(bench, tmp_path):
+    """At one p* the load over the hardness differs where amplitudes, and so gradients, do."""
+    text = square_scene('[[effects]]\nkind = "hardness"\nhardness = "60 kPa"\n', grids="[16, 24]")
+    scattered = text_in(tmp_path, text.replace("seed = 77", 'seed = 77\namplitudes = "gaussian"'))
+    options = refinement.Options(scene=scattered, surfaces=2)
+    told = [options.predicted(problem).area for problem in options.pressed]
+    data = refinement.run(options, bench=bench)
+    assert_allclose(data.area_persson_each, told, rtol=1e-12)
+    assert np.ptp(told) > 0.01 * told[0]
+
+
 def test_a_study_reads_the_theory_as_its_scene_does(tmp_path):
     text = square_scene(f'{STICKY}[methods.theory]\nenergy = "old"\n', grids="[12, 16]")
     options = area.Options(scene=text_in(tmp_path, text), reduced_pressures=(0.1,), surfaces=1)
@@ -114,10 +125,7 @@ def test_a_study_reads_the_theory_as_its_scene_does(tmp_path):
     assert options.predicted(options.first).area == told[0] != told[1]
 
 
-def test_a_study_says_on_what_its_loads_stand_and_which_maps_it_leaves(maps, tmp_path):
-    coated = '[[effects]]\nkind = "coating"\nyoung = "8 MPa"\nthickness = "1 um"\n'
-    options = refinement.Options(scene=text_in(tmp_path, square_scene(coated)), surfaces=1)
-    assert "E* of the solid under the coating" in " ".join(options.remarks())
+def test_a_study_says_which_maps_it_leaves(maps, tmp_path):
     maps("treatment = false")
     options = refinement.Options(scene=text_in(tmp_path, MAPS.format(more="treatment = false")))
     assert "surface.more_paths" in " ".join(options.remarks())
@@ -166,11 +174,6 @@ def test_a_swept_pressure_of_an_effect_is_not_that_of_the_load(tmp_path):
     smooth = '[[effects]]\nkind = "smoothing"\npressure = "10 kPa"\nhardness = "50 kPa"\n'
     swept = scene_in(tmp_path, text + smooth, "sweep.effects.smoothing.pressure=[1e4, 2e4]")
     assert swept.keys[0].name == "smoothing_pressure"
-    coated = '[[effects]]\nkind = "coating"\nyoung = "8 MPa"\nthickness = "1 um"\n'
-    loads = "sweep.load.reduced_pressure=[0.05, 0.1]"
-    alone = text.replace('second_young = "5 MPa"\nsecond_poisson = 0.45\n', "")
-    for more, name in (("", "reduced_pressure"), (coated, "load_reduced_pressure")):
-        assert scene_in(tmp_path, alone + more, loads).keys[0].name == name
     several = scene_in(tmp_path, text + ensemble(2, "[[24, 16], [36, 24]]"), seeds)
     data = run_sweep(several, tmp_path / "out", report=False).data
     texts = [found.text for found in sweep_views(data).findings]

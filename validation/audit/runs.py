@@ -188,7 +188,7 @@ class Run:
 
     @cached_property
     def surface_modulus(self) -> float:
-        """E* [Pa] of the coating where there is one, to which p* and kappa refer."""
+        """E* [Pa] of the coating where there is one."""
         for effect in self.effects:
             if effect["kind"] == "coating":
                 poisson = effect.get("poisson", self.scene["solid"]["poisson"])
@@ -222,7 +222,7 @@ class Run:
         pressure, moments = self.pressure(k), self.moments(k)
         if pressure is None or moments is None:
             return None
-        return pressure / (self.surface_modulus * math.sqrt(moments[1]))
+        return pressure / (self.modulus * math.sqrt(moments[1]))
 
     def shown(self, method: str, grid: Grid) -> list[Stored]:
         """Solves of the scene's own surface on one grid, all shifts that were asked for."""
@@ -352,8 +352,8 @@ def _of_surface(run: Run) -> Expected:
     numbers: dict[str, float | None] = {
         "nominal_area": math.prod(run.surface["length"]),
         "wave_short": run.shortest,
-        "contact_modulus": run.surface_modulus,
-        "contact_modulus_below": run.modulus,
+        "contact_modulus": run.modulus,
+        "surface_modulus": run.surface_modulus,
         "pressure": run.pressure(),
     }
     numbers |= dict.fromkeys(("rms_height", "rms_gradient", "nayak"))
@@ -380,6 +380,7 @@ def _of_solves(run: Run) -> Expected:
             means["area_plastic_pixel"] = "plastic"
         row: dict[str, float | None]
         row = {name: fmean(getattr(s, of) for s in solves) for name, of in means.items()}
+        row["density_at_zero"] *= run.modulus / run.surface_modulus
         row |= {"density_at_zero": math.nan} if run.adhesive else {}
         row |= {
             "shifts": len(solves),

@@ -108,8 +108,8 @@ def _on_grids(case: Case) -> xr.Dataset:
         points_per_wave=("grid", [problem.points_per_wave(grid) for grid in grids]),
         resolved=("grid", [float(problem.resolved_by(grid)) for grid in grids]),
         pressure=problem.pressure,
-        contact_modulus=case.modulus,
-        contact_modulus_below=problem.contact_modulus,
+        contact_modulus=problem.contact_modulus,
+        surface_modulus=case.surface_modulus,
         rms_gradient=field.rms_gradient,
         rms_height=field.rms_height,
         nayak=field.nayak,
@@ -213,7 +213,7 @@ def _beside_theory(data: xr.Dataset, case: Case) -> xr.Dataset:
         "area_ensemble": prediction.ensemble_area,
         "area_plastic_persson": prediction.plastic,
         "area_other_energy": prediction.other,
-        "stress_variance": prediction.stress_variance / case.modulus**2,
+        "stress_variance": prediction.stress_variance / case.problem.contact_modulus**2,
         "theory_note": prediction.note,
     }
     data = data.assign({name: value for name, value in predicted.items() if value is not None})
@@ -303,7 +303,7 @@ def _surfaces(case: Case) -> xr.Dataset | None:
             "area_each": area.assign_attrs(reduction="limit"),
             "area_each_error": error_of(area, grid=half, **ABSENT),
             "rms_gradient_each": here.field.rms_gradient,
-            "reduced_pressure_each": here.pressure / (case.modulus * here.field.rms_gradient),
+            "reduced_pressure_each": here.pressure / here.pressure_scale,
             "solve_surface": ("surface_grid", [on[g].solve.key if g in on else "" for g in grids]),
         }
         if options is not None:

@@ -88,11 +88,11 @@ def _lead(kind: str, data: xr.Dataset, scene: Scene) -> str:
     held = "".join(f"{key.replace('_', ' ')} {as_length(v, 4)} held, " for key, v in scene.load.held.items())
     if scene.load.force is not None:
         held = f"force = {in_prefixed_unit(scene.load.force, 'N')}, "
-    layered = not np.isclose(data.contact_modulus, data.contact_modulus_below, rtol=1e-9)
+    coated = not np.isclose(data.contact_modulus, data.surface_modulus, rtol=1e-9)
     return (
         f"{bodies} surface on an elastic solid, frictionless, {effects}; {held}p* = "
         f"{float(data.reduced_pressure):.4g} (p0 = {in_shown_unit(data.pressure)}, E* = {modulus}"
-        f"{' of the layer at the surface' * layered}, realised h'_rms = {float(data.rms_gradient):.4g})"
+        f"{' of the solid below the coating' * coated}, realised h'_rms = {float(data.rms_gradient):.4g})"
     )
 
 

@@ -62,8 +62,8 @@ class Reading:
                 "area_perimeter_shift": ((), areas.perimeter, {"reduction": "field", "of": "perimeter"}),
                 "area_located_shift": areas.subcell or math.nan,
                 "mean_pressure": result.mean_pressure,
-                "contact_modulus": result.contact_modulus,
-                "density_at_zero": _density(result, adhesive=is_adhesive(solve.effects)),
+                "surface_modulus": result.contact_modulus,
+                "density_at_zero": _density(solve, result),
                 "plastic": float(np.mean(at_bound)),
                 "residual": result.residuals.worst,
                 "seconds": result.cost.wall_seconds,
@@ -74,17 +74,17 @@ class Reading:
         return cls(solve=solve, areas=areas, numbers=numbers, pressure=pressure)
 
 
-def _density(result: ContactResult, *, adhesive: bool) -> float:
+def _density(solve: Press, result: ContactResult) -> float:
     """P(0+) E* h'_rms; none with adhesion, whose tension a window from zero on would hold, nor of a patch.
 
     What of the gradient of a patch is its roughness, and what its shape, the fields do not tell.
     """
-    if adhesive or not result.periodic:
+    if is_adhesive(solve.effects) or not result.periodic:
         return math.nan
     density = density_at_zero(result)
     # A window that reaches up to the hardness sees what has yielded.
     clipped = np.any(result.at_bound & (result.pressure < density.threshold))
-    return math.nan if clipped else density.reduced
+    return math.nan if clipped else density.reduced * (solve.problem.contact_modulus / result.contact_modulus)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -127,9 +127,9 @@ class Case:
         return list(self.scene.methods.solvers)
 
     @property
-    def modulus(self) -> float:
-        """E* [Pa] on which p* stands: with a layer that at the surface."""
-        return float(self.own[0].numbers.contact_modulus)
+    def surface_modulus(self) -> float:
+        """E* [Pa] at the surface: of the coating, where there is one."""
+        return float(self.own[0].numbers.surface_modulus)
 
     @property
     def failed(self) -> str:

@@ -28,7 +28,7 @@ _NUMBERS = (
     *("stiffness", "largest_pressure", "patches", "density_at_zero_order"),
     *(f"{name}{by}" for name in ("electrical_conductance", "thermal_conductance") for by in ("", "_persson")),
     *(f"leak_rate_{axis}{by}" for axis in "xy" for by in ("", "_bruggeman")),
-    *("pressure", "reduced_pressure", "contact_modulus", "contact_modulus_below", "felt_modulus"),
+    *("pressure", "reduced_pressure", "contact_modulus", "surface_modulus", "felt_modulus"),
     *("rms_height", "rms_height_spectrum", "rms_gradient", "rms_gradient_spectrum", "nayak"),
     *STATISTICS,
 )
@@ -76,7 +76,7 @@ def run_views(data: xr.Dataset) -> Views:
 
 def _tables(data: xr.Dataset) -> Iterator[Table | Listing]:
     # What another number says again.
-    again = {"area_own": "area"} | dict.fromkeys(("contact_modulus_below", "felt_modulus"), "contact_modulus")
+    again = {"area_own": "area"} | dict.fromkeys(("surface_modulus", "felt_modulus"), "contact_modulus")
     repeated = {a for a, b in again.items() if a in data and np.isclose(data[a], data[b])}
     if "ball_radius" not in data and np.isclose(data.approach, -data.mean_gap):
         repeated.add("approach")
@@ -285,11 +285,11 @@ def _warnings(data: xr.Dataset) -> Iterator[Finding]:
     if data.rms_gradient > 0.3:
         form = "The gradient h'_rms = {rms_gradient:.3} is not small; all methods here assume small slopes."
         yield finding("note", form, data)
-    if not np.isclose(data.contact_modulus, data.contact_modulus_below, rtol=1e-9):
+    if not np.isclose(data.contact_modulus, data.surface_modulus, rtol=1e-9):
         yield finding(
             "note",
-            "p* and kappa stand on E* = {contact_modulus:u} of the layer at the surface, and are no "
-            "numbers of a homogeneous solid; below it E* = {contact_modulus_below:u}"
+            "p* and kappa stand on E* = {contact_modulus:u} of the solid below the coating, and are no "
+            "numbers of a homogeneous solid; at the surface E* = {surface_modulus:u}"
             "[, and what the roughness feels is {felt_modulus:u}].",
             data,
         )

@@ -159,12 +159,11 @@ def _findings(data: xr.Dataset) -> Iterator[Finding]:
         yield note("Every case is one surface: the scatter between surfaces is unknown.")
     if any(data[key].attrs["key"] == "surface.hurst" for key in _varying(data)):
         yield note("Several surfaces for each H, with pairs h and -h and a budget: fem-contact study hurst.")
-    if "contact_modulus_below" in data and not np.allclose(
-        data.contact_modulus, data.contact_modulus_below, rtol=1e-9, equal_nan=True
+    if "surface_modulus" in data and not np.allclose(
+        data.contact_modulus, data.surface_modulus, rtol=1e-9, equal_nan=True
     ):
         yield note(
-            "p* and kappa stand on E* of the layer at the surface: they are no numbers of a homogeneous "
-            "solid."
+            "p* and kappa stand on E* of the solid below the coating: no numbers of a homogeneous solid."
         )
     if data.attrs.get("solves"):
         cases, solves, asked = (float(data.attrs[name]) for name in ("cases", "solves", "asked"))

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
 RECORD, DATA = "result.json", "data.nc"
-_FORMAT = "fem-contact result 1"
+_FORMAT = "fem-contact result 2"
 #: Records of earlier versions.
 _EARLIER = ("run.json", "sweep.json", "study.json", "accuracy.json")
 

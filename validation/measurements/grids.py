@@ -62,7 +62,7 @@ def on_grids(measured: xr.Dataset, *, wave_share: float) -> xr.Dataset:
 def with_distances(data: xr.Dataset, *, theory: bool) -> xr.Dataset:
     """Add kappa, distances from the limit with their orders, and what P(sigma) has too much of on a coarse grid.
 
-    To `on_grids` by surface, with ``area_persson``, ``area_ensemble_each`` and ``reduced_pressure``;
+    To `on_grids` by surface, with ``area_persson_each``, ``area_ensemble_each`` and ``reduced_pressure``;
     `theory` is whether its P(sigma) is that of the bare half-space.
     """
     resolved, areas = data.points_per_wave.values > _RESOLVED, ("pixel", "perimeter", "located")
@@ -72,12 +72,13 @@ def with_distances(data: xr.Dataset, *, theory: bool) -> xr.Dataset:
         data,
         kappa_each="area_each / reduced_pressure",
         kappa_pixel_each="area_pixel_each / reduced_pressure",
+        area_persson="area_persson_each.mean('surface')",
         kappa_persson="area_persson / reduced_pressure",
         kappa_ensemble_each="area_ensemble_each / reduced_pressure",
-        area_excess_each="area_each / area_persson - 1",
+        area_excess_each="area_each / area_persson_each - 1",
         **{f"distance_{name}_each": f"area_{name}_each / area_each - 1" for name in areas},
         stress_density="stress_density_each.mean('surface')",
-        grid_part_each="(area_pixel_each - area_each) / (area_pixel_each - area_persson)",
+        grid_part_each="(area_pixel_each - area_each) / (area_pixel_each - area_persson_each)",
     )
     data = change(data, "area_pixel", along="grid", first=-1, last=first)
     data = mean(data, *(f"{of}_{name}" for of in ("area", "distance") for name in areas), *_AVERAGED)

@@ -113,7 +113,7 @@ def quantities_of(keep: tuple[str, ...]) -> tuple[str, ...]:
     """Name what is read off every solve.
 
     ``stiffness`` is K h_rms / p0 with the contact set held, ``slope`` that of P(sigma), times (E* h'_rms)^2, fitted
-    between .1 and .4 E* h'_rms. `press_on_grids` fills each. They belong to the recipe: with another name, stored
+    between .1 and .4 E* h'_rms, of a coating where there is one. `press_on_grids` fills each. They belong to the recipe: with another name, stored
     results are of another kind and are made anew.
     """
     return (*QUANTITIES, *(name for name in ("stiffness", "slope") if name in keep))
@@ -123,6 +123,8 @@ def _recipe(
     made: dict[str, Any], keep: tuple[str, ...], reduced_pressures: Any, problem: Any, grids: Any
 ) -> dict[str, Any]:
     """Name what is read off, too: a stored result that lacks a number is another one."""
+    # P(0+) over a coating stands on E* of the solid below it; it stood on that of the coating.
+    below = ["below"] if any(effect["kind"] == "coating" for effect in made["effects"]) else []
     if not made["effects"]:
         del made["effects"]
     # A surface that is cut has its lay; solves of before had lost it.
@@ -134,7 +136,7 @@ def _recipe(
         **made,
         "kind": _KINDS[keep],
         "reduced_pressures": list(reduced_pressures or (reduced_load(problem),)),
-        "quantities": sorted([*quantities_of(keep), "cells", LOCATED_EDGES, *lay, *moved]),
+        "quantities": sorted([*quantities_of(keep), "cells", LOCATED_EDGES, *below, *lay, *moved]),
     }
 
 
@@ -184,7 +186,7 @@ def press_on_grids(
     keep : tuple of str
         What else is read off: ``distributions`` of P(sigma) and patch sizes; see `quantities_of`.
     """
-    loads = reduced_pressures or (reduced_load(problem),)
+    loads, modulus = reduced_pressures or (reduced_load(problem),), problem.contact_modulus
     offsets = subgrid_shifts(shifts)
     shape = (len(grids), len(offsets), len(loads))
     values = {name: np.full(shape, np.nan) for name in quantities_of(keep)}
@@ -193,13 +195,14 @@ def press_on_grids(
         field = truncated_heights(problem, grid, shift, truncation=truncation)
         located = not effects and has_square_cells(problem, grid)
         for k, result in enumerate(pressed_path(field, problem, loads, effects=effects, tolerance=tolerance)):
-            numbers = _read_off(result, located=located)
+            numbers, unit = _read_off(result, located=located), modulus / result.contact_modulus
+            numbers["density_at_zero"] *= unit
             if "stiffness" in keep:
                 # Off by the square of the tolerance, .6 of that at worst.
                 frozen = 1e-3 if "slope" in keep else 1e-9
                 numbers["stiffness"] = _stiffness(result, problem, tolerance=frozen)
             if "slope" in keep:
-                numbers["slope"] = window_slope(result).reduced
+                numbers["slope"] = window_slope(result).reduced * unit**2
             for name, value in numbers.items():
                 values[name][i, j, k] = value
             if "distributions" in keep:
@@ -211,7 +214,7 @@ def press_on_grids(
 
     data: dict[str, Any] = {name: (("grid", "shift", "load"), array) for name, array in values.items()}
     data |= {f"{name}_profile": (("grid", "load", f"{name}_bin"), h) for name, h in histograms.items()}
-    field, modulus = problem.field, problem.contact_modulus
+    field = problem.field
     return xr.Dataset(
         data,
         coords={

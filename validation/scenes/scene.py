@@ -189,7 +189,7 @@ class Scene(Title):
         work = next((effect.work for effect in self.effects if hasattr(effect, "work")), None)
         shown = (
             (pressure, "pressure", "largest_pressure", "pressure_map", "pressure_map_difference"),
-            (self.solid.young, "contact_modulus", "contact_modulus_below", "felt_modulus"),
+            (self.solid.young, "contact_modulus", "surface_modulus", "felt_modulus"),
             (height, "rms_height", "rms_height_spectrum"),
             (work, "work", "work_left"),
             (load.mean_gap or height, "mean_gap"),

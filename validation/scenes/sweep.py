@@ -301,8 +301,6 @@ def _swept(scenes: Sequence[Scene], mode: Mode, lists: Mapping[str, list[Any]]) 
         if any(isinstance(value, str) for value in values):
             values, unit = tuple(value_words(value, unit) for value in values), "1"
         taken = word in _TAKEN or (word == "pressure" and key != "load.pressure")
-        # That of a load is by E* of the solid, what results call p* by E* at the surface.
-        taken |= key == "load.reduced_pressure" and any(one.kind == "coating" for one in scenes[0].effects)
         clear = last.count(word) == 1 and not taken
         name = word if clear else "_".join(key.split(".")[-2:])
         name += "_spectrum" * (key in ("surface.rms_gradient", "surface.rms_height"))  # without: realised

@@ -316,7 +316,9 @@ class Load(Table):
     """
 
     pressure: _OneOrSeveral[_Pressure] | None = key('nominal pressure p0, e.g. "10 MPa"', None)
-    reduced_pressure: _OneOrSeveral[_Ratio] | None = key("p* = p0 / (E* h'_rms), e.g. 0.05", None)
+    reduced_pressure: _OneOrSeveral[_Ratio] | None = key(
+        "p* = p0 / (E* h'_rms), E* of [solid], also below a coating, e.g. 0.05", None
+    )
     force: Force | None = key('p0 times the nominal area, e.g. "10 mN"', None)
     mean_gap: Annotated[float, quantity("m", "length", "50 nm"), Field(ge=0)] | None = key(
         'mean gap that is held, overlaps of a solid that yields counted as negative, e.g. "50 nm"', None

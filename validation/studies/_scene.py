@@ -262,8 +262,6 @@ class PressedOptions(SurfaceOptions):
             f"Surface ({what}), solid and load (p* = {first.reduced_pressure:.4g}{effects}) are those of the scene "
             f"{scene.name!r}, and so are: {values}."
         )
-        if any(effect.kind == "coating" for effect in self.effects):
-            yield "p* and kappa stand on E* of the solid under the coating, those of a run on that of the coating."
         others = ", ".join(f"[methods.{name}]" for name in scene.methods.solvers if name != "bem")
         if others and "methods" not in fields:
             yield f"Not used of the scene, for this study presses by boundary elements: {others}."

@@ -199,14 +199,16 @@ def _of_boundary_elements(options: Options, measured: Measured) -> xr.Dataset:
     data = gather({k: on_grids(measured["grids", k], wave_share=share) for k in surfaces}, "surface")
     # Persson's theory knows some of the effects of a scene.
     known = all(type(effect).has_theory() for effect in options.effects)
-    theory = options.predicted(options.first) if known else None
+    theory = [options.predicted(problem) for problem in options.pressed] if known else []
     gradients = data.rms_gradient_each.values
     ensemble = ensemble_area(options.first.spectrum, [load], rms_gradients=gradients)[:, 0]
     if options.effects:
-        alone = None if theory is None else theory.ensemble_area
-        ensemble = np.full(options.surfaces, np.nan if alone is None else alone)
-    data = data.assign(reduced_pressure=load, area_persson=np.nan if theory is None else theory.area)
-    data["area_ensemble_each"] = "surface", ensemble
+        ensemble = [one.ensemble_area for one in theory] or options.surfaces * [None]
+    data = data.assign(
+        reduced_pressure=load,
+        area_persson_each=("surface", [one.area for one in theory] or options.surfaces * [np.nan]),
+        area_ensemble_each=("surface", np.asarray(ensemble, dtype=float)),
+    )
     data = with_distances(data, theory=not options.effects)
     usual = measured["grids", 0].isel(grid=slice(0, measured["strict",].sizes["grid"]))
     return claim_shares(data, "kappa", solver=solver_error(usual, measured["strict",]))
