@@ -199,11 +199,14 @@ def render_surface(path: Path, solution: ContactResult | BlockSolution) -> None:
     rise = -(contact.displacement - contact.displacement.min())
     depth = float(np.ptp(rise))
     magnification = 0.1 * max(contact.lengths) / depth if depth > 0 else 1.0
-    points = _grid_points(contact, np.zeros(1))[:, :, 0]
     # Lengths in periods: the drawing library's tolerances are absolute.
-    unit = max(contact.lengths)
-    places = points[..., 0] / unit, points[..., 1] / unit, magnification * _unfolded(rise) / unit
-    with _drawn(path, places, "pressure [MPa]", _unfolded(contact.pressure)) as plotter:
+    x, y, _ = np.moveaxis(_grid_points(contact, np.zeros(1))[:, :, 0] / max(contact.lengths), -1, 0)
+    z = magnification * _unfolded(rise) / max(contact.lengths)
+    values = [x, y, z, _unfolded(contact.pressure)]
+    if not contact.periodic:  # a patch with free surroundings ends at its last points
+        values = [of[:-1, :-1] for of in values]
+    *places, pressure = values
+    with _drawn(path, tuple(places), "pressure [MPa]", pressure) as plotter:
         plotter.view_vector((-0.6, -1.0, 0.9), viewup=(0, 0, 1))
         plotter.camera.zoom(1.3)
 

@@ -1,5 +1,6 @@
 import subprocess
 import sys
+from dataclasses import replace
 from unittest.mock import MagicMock
 
 import meshio
@@ -121,6 +122,17 @@ def test_a_picture_has_the_stress_in_mpa_at_its_places(solution, tmp_path, monke
         cut = [layers[k].von_mises[:, row] for k in sorted(layers)]
         assert_allclose(values, np.concatenate(cut))
     assert mesh.bounds.x_max == pytest.approx(LENGTHS[0] / max(LENGTHS))
+
+
+def test_a_picture_of_a_patch_ends_at_its_last_points(solution, tmp_path, monkeypatch):
+    plotter = MagicMock(**{"screenshot.side_effect": lambda path: path.write_bytes(b"")})
+    monkeypatch.setattr(pytest.importorskip("pyvista"), "Plotter", lambda **_: plotter)
+    patch = replace(solution.contact, provenance={"method": "free surroundings"})
+    render_surface(tmp_path / "picture.png", patch)
+    (mesh,), named = plotter.add_mesh.call_args
+    values = 1e6 * mesh[named["scalars"]].reshape(mesh.dimensions[:2], order="F")
+    assert_allclose(values, patch.pressure)
+    assert mesh.bounds.x_max == pytest.approx((LENGTHS[0] - patch.spacing[0]) / max(LENGTHS))
 
 
 @pytest.mark.parametrize(("axis", "other"), [("x", 1), ("y", 0)])
