@@ -12,6 +12,8 @@ from persson.elastic import area_against_magnification
 from persson.errors import OutsideTheory
 from persson.scale import Scale
 from persson.spectrum import Spectrum, check_spectrum
+from persson.stretched import Stretched
+from persson.tabulated import Tabulated
 from persson.variants import EnergyReading, energy_share
 
 #: Least d^2 ln A / d(ln zeta)^2 that is a bend: second differences of rounded areas leave some 1e-10.
@@ -170,8 +172,12 @@ def macroasperity_magnification(
     q0 = positive("q_reference", q_reference)
     check_spectrum(spectrum)
     load = positive("pressure", pressure)
-    if getattr(spectrum, "rolloff", "smooth") != "smooth":
-        raise OutsideTheory("the spectrum has a kink at q_long: ln A bends most there; use rolloff='smooth'")
+    isotropic = spectrum.spectrum if isinstance(spectrum, Stretched) else spectrum
+    if isinstance(isotropic, Tabulated) or getattr(isotropic, "rolloff", "smooth") != "smooth":
+        raise OutsideTheory(
+            "the spectrum has a kink, at q_long or at each point of a table: ln A bends most there; use a "
+            "`SelfAffine` with rolloff='smooth'"
+        )
     low = max(spectrum.q_min, spectrum.q_long * 1e-2)
     x = np.linspace(math.log(low / q0), math.log(spectrum.q_short / q0), 4001)[1:-1]
     area = area_against_magnification(
