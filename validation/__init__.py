@@ -6,7 +6,7 @@ What a notebook calls is best had by ``import fem_contact as fc``: fc.press, fc.
 import lazy_loader
 
 from fem_contact._environment import settle
-from validation import _renamed
+from validation import _renamed  # noqa: F401  # which answers imports of old names
 
 #: By which `fem_contact` tells it from another package of this name.
 belongs_to_fem_contact = True
@@ -15,7 +15,6 @@ belongs_to_fem_contact = True
 _attribute, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
 
 settle()
-_renamed.install()
 
 
 def __getattr__(name: str) -> object:

@@ -1,4 +1,4 @@
-"""Modules that had other names: an import of one says in a line what it is called now."""
+"""Modules that had other names: from now on an import of one says in a line what it is called."""
 
 from __future__ import annotations
 
@@ -27,6 +27,4 @@ class _Renamed(MetaPathFinder):
             raise ModuleNotFoundError(f"{name} is called {_NEW[name]}", name=name)
 
 
-def install() -> None:
-    """Answer imports of old names from now on."""
-    sys.meta_path.append(_Renamed())
+sys.meta_path.append(_Renamed())

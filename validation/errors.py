@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import contextlib
 import difflib
+import functools
+import sys
 import unicodedata
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
@@ -36,6 +39,13 @@ def did_you_mean(word: str, known: Iterable[str], meant: Mapping[str, str] | Non
     words = {name.lstrip("-"): name for name in (*known, *(meant or ()))}
     close = [words[name] for name in difflib.get_close_matches(word.lstrip("-"), words, n=1)]
     return f"; did you mean {(meant or {}).get(close[0], close[0])!r}?" if close else ""
+
+
+@functools.cache
+def say_once(words: str) -> None:
+    """Write a line on stderr, the first time that it is said."""
+    with contextlib.suppress(OSError, ValueError, AttributeError):
+        sys.stderr.write(f"fem-contact: {harmless(words)}\n")
 
 
 class UsageError(Exception):

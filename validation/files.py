@@ -13,7 +13,6 @@ import re
 import shutil
 import socket
 import stat
-import sys
 import tempfile
 import time
 import uuid
@@ -21,7 +20,7 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from validation.errors import RunFailed, UsageError
+from validation.errors import RunFailed, UsageError, say_once
 
 try:
     import fcntl
@@ -71,7 +70,7 @@ def locked(folder: Path, *, shared: bool = False) -> Iterator[None]:
     """
     place = Path(os.path.realpath(folder))
     if fcntl is None:
-        _say_once("no locks on this system: start one run at a time into a folder")
+        say_once("no locks on this system: start one run at a time into a folder")
     if fcntl is None or place in _HELD.get():
         yield
         return
@@ -95,11 +94,6 @@ def locked(folder: Path, *, shared: bool = False) -> Iterator[None]:
             yield
         finally:
             _HELD.reset(token)
-
-
-@functools.cache
-def _say_once(line: str) -> None:
-    print(f"fem-contact: {line}", file=sys.stderr)
 
 
 @contextlib.contextmanager

@@ -17,7 +17,7 @@ from importlib import metadata
 from pathlib import Path
 from typing import Any, TypeVar
 
-from validation.errors import UsageError, harmless
+from validation.errors import UsageError, say_once
 
 T = TypeVar("T")
 
@@ -54,7 +54,7 @@ def found_in(package: str, base: type[T], *, group: str) -> tuple[type[T], ...]:
                 kinds[_name(value)] = value
     for where, _, value in entries(group):
         if not (inspect.isclass(value) and issubclass(value, base)):
-            _warn(f"{where}: left out: must be a subclass of {base.__module__}.{base.__qualname__}")
+            say_once(f"{where}: left out: must be a subclass of {base.__module__}.{base.__qualname__}")
             continue
         other = kinds.setdefault(_name(value), value)
         if other is not value:
@@ -79,19 +79,13 @@ def entries(group: str) -> Iterator[tuple[str, str, Any]]:
             raise
         except BaseException as error:  # whatever it raises, its name is what the user needs
             text = " ".join(str(error).split())[:200]
-            _warn(f"{where}: left out, cannot be loaded: {type(error).__name__}: {text}")
+            say_once(f"{where}: left out, cannot be loaded: {type(error).__name__}: {text}")
             continue
         yield where, entry.name, value
 
 
 #: How long another package may take to be imported [s].
 _PATIENCE = 20.0
-
-
-@functools.cache
-def _warn(words: str) -> None:
-    with contextlib.suppress(OSError, ValueError, AttributeError):
-        sys.stderr.write(f"fem-contact: {harmless(words)}\n")
 
 
 @contextlib.contextmanager

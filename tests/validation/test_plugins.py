@@ -289,7 +289,7 @@ def test_a_package_that_misbehaves_at_import_is_a_warning_and_all_else_works(
     monkeypatch.setattr(registry, "_PATIENCE", 1.0)
     entry = metadata.EntryPoint(name="bad", value="bad_plugin:Mine", group="fem_contact.methods")
     monkeypatch.setattr(registry.metadata, "entry_points", lambda group: [entry])
-    registry._warn.cache_clear()
+    registry.say_once.cache_clear()
     try:
         known = registry.found_in("validation.solvers", Solver, group="fem_contact.methods")
     finally:
