@@ -25,8 +25,7 @@ from validation.effects.thickness import Thickness
 from validation.errors import NoLimit, RunFailed, UsageError
 from validation.execution.attempt import Progress
 from validation.execution.bench import Execution
-from validation.execution.fields import decode_result, fields_dataset
-from validation.execution.press import Press
+from validation.execution.press import Press, decode_result, fields_dataset
 from validation.measurements import ensemble
 from validation.measurements.measurement import area_limits
 from validation.netcdf import dataset_bytes

@@ -21,7 +21,7 @@ from solving import Numbers, fields, solve_all
 from validation import files
 from validation.errors import RunFailed
 from validation.execution.attempt import Progress, attempt
-from validation.execution.fields import decode_result
+from validation.execution.press import decode_result
 from validation.execution.provenance import Made, made_words
 from validation.execution.store import Damaged, Sealed, Store, check_store, read_numbers, seal, unseal
 from validation.files import atomic_path

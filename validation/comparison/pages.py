@@ -145,7 +145,7 @@ def render_stored(solve: Path, *, label: str) -> tuple[Picture | None, str]:
 
 def _render(solve: Path, image: Path) -> None:
     from fem_contact.export import render_surface
-    from validation.execution.fields import decode_result
+    from validation.execution.press import decode_result
     from validation.execution.store import read_numbers
 
     # The renderer chooses the format by the suffix.

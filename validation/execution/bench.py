@@ -168,13 +168,12 @@ class Bench:
             sync_folder(folder)
         results.failures = {solve: failed[solve.key] for solve in results if solve.key in failed}
         if failed and not (despite_failures and len(failed) < len(results)):
-            errors = list(failed.values())
-            if len(errors) == 1 == len(missing):
-                raise SolvesFailed(errors[0], results.failures)
-            listed = "\n".join(f"  {error}" for error in errors[:10])
-            more = f"\n  and {len(errors) - 10} more" if len(errors) > 10 else ""
-            head = f"{len(errors)} of {len(missing)} solves failed, the others are stored:"
-            raise SolvesFailed(f"{head}\n{listed}{more}", results.failures)
+            words, *others = failed.values()
+            if len(missing) > 1:
+                head = f"{len(failed)} of {len(missing)} solves failed, the others are stored:"
+                more = [f"and {len(others) - 9} more"] if len(others) > 9 else []
+                words = "\n  ".join([head, words, *others[:9], *more])
+            raise SolvesFailed(words, results.failures)
         results.solves = tuple(solve for solve in results if solve.key not in failed)
         results.solved = len(missing) - len(failed)
         return results

@@ -51,14 +51,14 @@ def effect_costs() -> EffectCosts:
         measured = {name for name, kind in kinds.items() if bem.handles(kind)}
         if set(factors) != measured or not all(0 < value < math.inf for value in factors.values()):
             raise ValueError("not the effects that are measured")
-        source = f"measured on this machine, {record['date']}"
+        # What boundary elements are not given is not measured.
+        return EffectCosts(factors=usual | factors, source=f"measured on this machine, {record['date']}")
     except FileNotFoundError:
-        return EffectCosts(factors=usual, source=_USUAL)
+        source = _USUAL
     except (OSError, ValueError, KeyError, TypeError, AttributeError):
         words = f"{cache_file()}: damaged, or of another version; 'fem-contact calibrate' makes it again"
-        return EffectCosts(factors=usual, source=f"{_USUAL} ({words})")
-    # What boundary elements are not given is not measured.
-    return EffectCosts(factors=usual | factors, source=source)
+        source = f"{_USUAL} ({words})"
+    return EffectCosts(factors=usual, source=source)
 
 
 def calibrate(
@@ -82,8 +82,8 @@ def calibrate(
     least = {name: min(each[1:], key=lambda cost: cost.cpu_seconds) for name, each in costs.items()}
     factors = {name: cost.cpu_seconds / least["plain"].cpu_seconds for name, cost in least.items()}
     for name, cost in least.items():
+        words = f"{cost.cpu_seconds:8.3f} s, {factors[name]:5.2f} times plain"
         if tell is not None:
-            words = f"{cost.cpu_seconds:8.3f} s, {factors[name]:5.2f} times plain"
             tell(f"{name:10s} {words}, {cost.fft_pairs:4.0f} FFT pairs")
     del factors["plain"]
     today = date.today().isoformat()

@@ -104,15 +104,14 @@ class _Cluster:
                 lacking, remedy = f"the scheduler is lost ({type(error).__name__})", "start it again"
                 patience = 0.0 if self.client.status == "closed" else _LOST_AFTER
             waited = time.monotonic() - began
-            problem = f"--scheduler = {self.address!r}: {lacking} for {waited:.0f} s; "
+            problem = f"--scheduler = {self.address!r}: {lacking} for {waited:.0f} s"
             if waited > _TOLD_AFTER and not noted:
                 # One look can take longer than the patience: it is told, and looked again, before giving up.
                 noted = True
-                self.progress.note(f"{problem}waiting for up to {patience:.0f} s")
+                self.progress.note(f"{problem}; waiting for up to {patience:.0f} s")
             elif waited > patience:
-                raise RunFailed(
-                    f"{problem}what is finished is stored: {remedy} and give the same command again"
-                )
+                more = f"what is finished is stored: {remedy} and give the same command again"
+                raise RunFailed(f"{problem}; {more}")
             time.sleep(min(_LOOK_EVERY, self.patience / 10))
 
 

@@ -15,7 +15,7 @@ import inspect
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property, update_wrapper
+from functools import cached_property, partial, update_wrapper
 from typing import TYPE_CHECKING, Any, Generic, ParamSpec, cast
 
 from pydantic_core import to_jsonable_python
@@ -69,11 +69,9 @@ class Measurement(Generic[P]):
         return str(self.__qualname__)  # type: ignore[attr-defined]
 
 
-def measurement(
-    name: str | Callable[..., str], *, kind: str, words: str, **about: Any
-) -> Callable[[Callable[P, xr.Dataset]], Measurement[P]]:
-    """Make a `Measurement` of a function; see there for what else is said about it."""
-    return lambda function: Measurement(function=function, name=name, kind=kind, words=words, **about)
+def measurement(name: Any, **about: Any) -> Callable[[Callable[P, xr.Dataset]], Measurement[P]]:
+    """Make a `Measurement` of a function; see there for what is said about it."""
+    return lambda function: Measurement(function=function, name=name, **about)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -142,12 +140,10 @@ class Call(Solve):
     def predict(self, *, pair_seconds: float = PAIR_SECONDS) -> Prediction:
         """Predict from the number of points, or as the measurement says."""
         about, points = self.measurement, math.prod(self.finest)
+        evaluated = partial(self._evaluated, points=points, pair_seconds=pair_seconds)
         if about.predict is not None:
-            return cast(
-                "Prediction", self._evaluated(about.predict, points=points, pair_seconds=pair_seconds)
-            )
-        seconds = self._evaluated(about.seconds, points=points)
-        return Prediction(seconds=seconds, peak_bytes=about.bytes * points, unknowns=points)
+            return cast("Prediction", evaluated(about.predict))
+        return Prediction(seconds=evaluated(about.seconds), peak_bytes=about.bytes * points, unknowns=points)
 
     @cached_property
     def compiled(self) -> Compiled:

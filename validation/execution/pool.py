@@ -6,7 +6,7 @@ import contextlib
 import time
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any
 
 from validation.execution.attempt import Outcome, Progress, attempt_in_worker, warm_up
 from validation.files import remove_drafts
@@ -34,28 +34,14 @@ class Again(Exception):
     """Nothing came of a solve for a reason that lies outside it."""
 
 
-class Workers(Protocol):
-    """Where solves are done: processes of this machine, or a cluster."""
-
-    def room(self, solve: Solve, under_way: Sequence[Solve]) -> bool:
-        """Whether a solve may begin beside those under way."""
-
-    def submit(self, solve: Solve) -> Any:
-        """Begin a solve."""
-
-    def finished(self, under_way: Mapping[Any, Solve]) -> Iterable[Any]:
-        """Wait within bounds, and return what has ended."""
-
-    def outcome(self, future: Any, solve: Solve) -> Outcome:
-        """Return how a solve ended, or raise `Died` or `Again`."""
-
-
 def scheduled(
-    solves: Sequence[Solve], workers: Workers, *, progress: Progress
+    solves: Sequence[Solve], workers: Any, *, progress: Progress
 ) -> Iterator[tuple[Solve, Outcome]]:
     """Do solves on workers; yield each with its outcome when it is known.
 
-    One whose worker died is tried once more while nothing else runs: others may have taken its memory.
+    Workers, processes of this machine or a cluster, say whether there is `room` for a solve, `submit` it,
+    wait within bounds for what has `finished`, and return its `outcome` or raise `Died` or `Again`. A solve
+    whose worker died is tried once more while nothing else runs: others may have taken its memory.
     """
     waiting, failed_starts = list(solves), 0
     suspects: list[Solve] = []
@@ -81,18 +67,14 @@ def scheduled(
             except Died as death:
                 failed_starts = 0 if death.begun else failed_starts + 1
                 if failed_starts >= _STARTS:
-                    why = (
-                        f"worker processes die before they begin to solve{death}; finished solves are intact"
-                    )
-                    yield solve, Outcome(error=why, fatal=True)
+                    why = f"worker processes die before they begin to solve{death}"
+                    yield solve, Outcome(error=f"{why}; finished solves are intact", fatal=True)
                 elif not death.begun:
                     waiting.insert(0, solve)
                 elif solve.key not in alone:
                     suspects.append(solve)
-                    progress.note(
-                        f"{solve.describe()}: its worker died{death}; it is tried once more when the others "
-                        "are done"
-                    )
+                    words = f"its worker died{death}; it is tried once more when the others are done"
+                    progress.note(f"{solve.describe()}: {words}")
                 else:
                     why = "its worker died, and once more when nothing else ran"
                     cause = "killed from outside or for lack of memory"

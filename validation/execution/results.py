@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import contextlib
 import os
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -43,24 +43,16 @@ class Result:
     words: tuple[str, ...] = ()
 
 
-def write_results(
-    folder: Path,
-    data: xr.Dataset,
-    *,
-    kind: str,
-    name: str,
-    settings: Mapping[str, Any],
-    store: Path,
-    words: Sequence[str] = (),
-) -> None:
+def write_results(folder: Path, data: xr.Dataset, **about: Any) -> None:
     """Write dataset and record of an act into its folder, which the caller has locked; see `Result`."""
+    result = Result(data=data, **about)
     record = {
         "format": _FORMAT,
-        "kind": kind,
-        "name": name,
-        "asked": dict(settings),
-        "words": list(words),
-        "store": os.path.relpath(os.path.realpath(store), os.path.realpath(folder)),
+        "kind": result.kind,
+        "name": result.name,
+        "asked": dict(result.settings),
+        "words": list(result.words),
+        "store": os.path.relpath(os.path.realpath(result.store), os.path.realpath(folder)),
     }
     clear_results(folder)
     write_numbers(folder / DATA, data, recipe=record)
@@ -116,11 +108,12 @@ def check_results(folder: Path) -> None:
     """Refuse a folder that holds no results by a UsageError, which names those beside it that do."""
     if any((folder / name).exists() for name in (RECORD, *_EARLIER)):
         return
-    places = {path.parent for place in (folder.parent, Path("results")) for path in place.glob(f"*/{RECORD}")}
-    folders = sorted(map(str, places))
+    places = (path.parent for place in (folder.parent, Path("results")) for path in place.glob(f"*/{RECORD}"))
+    folders = sorted({*map(str, places)}) or ["no folder here"]
+    more = ", ..." if len(folders) > 12 else ""
     raise UsageError(
         f"{folder}: holds no results ({RECORD}): run a scene or study first; results are in "
-        + (", ".join(folders[:12]) + (", ..." if len(folders) > 12 else "") if folders else "no folder here")
+        f"{', '.join(folders[:12])}{more}"
     )
 
 

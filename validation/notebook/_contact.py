@@ -170,7 +170,7 @@ class Contact:
 
     def to_xarray(self) -> xr.Dataset:
         """Return the fields over x and y with units: pressure, gap, displacement, heights, contact."""
-        from validation.execution.fields import fields_dataset
+        from validation.execution.press import fields_dataset
 
         return fields_dataset(self.result, recipe=self.solve.recipe_text)
 
