@@ -149,7 +149,11 @@ def test_a_plain_solve_keeps_its_name_and_an_effect_changes_it(with_effects):
             {},
             r"\[\[effects\]\] 1 reach = 34 nm: grid \[10, 10\] has",
         ),
-        ((LAYER,), {"fem": True}, r"methods\.fem\.depth: \[\[effects\]\] 1 thickness says the depth"),
+        (
+            (LAYER,),
+            {"fem": True},
+            r"methods\.fem\.depth: \[\[effects\]\] 1 kind = 'thickness' says",
+        ),
         (
             (LAYER + 'base = "frictionless"\n',),
             {"fem": True, "extra": [('depth = "5 um"', "")]},

@@ -33,10 +33,7 @@ def methods() -> Mapping[str, Method]:
 
 
 def find_method(name: str) -> Method:
-    """Return one method.
-
-    A UsageError for an unknown name.
-    """
+    """Return one method; a UsageError for an unknown name."""
     if name not in methods():
         raise UsageError(f"method {name!r}: no such method; one of: {', '.join(methods())}")
     return methods()[name]
@@ -50,8 +47,7 @@ def chosen_solver(text: str) -> tuple[Solver, dict[str, float | str]]:
     from validation.solvers.user_function import Own
 
     if ":" in text:
-        user_solver = Own()
-        return user_solver, dict(user_solver.named(text))
+        return (own := Own()), dict(own.named(text))
     solver = find_solver(text)
     if isinstance(solver, Own):
         raise UsageError(f"method {text!r}: say which function: module:name")
@@ -62,10 +58,7 @@ def chosen_solver(text: str) -> tuple[Solver, dict[str, float | str]]:
 
 
 def find_solver(name: str) -> Solver:
-    """Return one method that solves.
-
-    A UsageError for an unknown name, or a method that presses no surface.
-    """
+    """Return one method that solves; a UsageError for an unknown name, or one that presses no surface."""
     method = find_method(name)
     if not isinstance(method, Solver):
         raise UsageError(f"method {name!r}: presses no surface")

@@ -27,6 +27,9 @@ from validation.units import Grids, Length, Number, Table, key
 if TYPE_CHECKING:
     from validation.scenes.problem import ContactProblem
 
+#: What a solve costs whatever its grid, in pairs of real 256 x 256 transforms on one thread, and bytes.
+_FIXED_PAIRS, _FIXED_BYTES = 26.0, 3 * 2**19
+
 Shift = tuple[float, float]
 #: What a solver was told beyond surface, load and model; only what was said, so that it is its own recipe.
 Settings = tuple[tuple[str, float | str], ...]
@@ -98,6 +101,11 @@ class Size:
         """Cost of a pair of transforms on the grid over that on 256 x 256 points."""
         return self.points * math.log2(max(self.points, 2)) / (256**2 * 16)
 
+    def cost(self, pairs: float, peak_bytes: float, unknowns: int | None = None) -> Cost:
+        """Return the cost of a solve, with what any costs: surface, set-up, storing."""
+        pairs, peak_bytes = _FIXED_PAIRS + pairs, _FIXED_BYTES + int(peak_bytes)
+        return Cost(pairs=pairs, peak_bytes=peak_bytes, unknowns=unknowns or self.points)
+
 
 @dataclass(frozen=True, kw_only=True)
 class Cost:
@@ -155,6 +163,12 @@ class Method(ABC):
         yield from ()
 
 
+def in_slot(slot: SlotName, effects: Sequence[Effect]) -> str:
+    """Return how a scene has the effect that fills a slot, such as [[effects]] 1 kind = 'x'; or ""."""
+    named = (f"{effect_key(k, 'kind')} = {e.kind!r}" for k, e in enumerate(effects) if e.slot == slot)
+    return next(named, "")
+
+
 class Solver(Method):
     """A method that presses a surface on a grid."""
 
@@ -186,21 +200,17 @@ class Solver(Method):
 
         `depth` [m] is what the options of the method say of it.
         """
-        for k, effect in enumerate(effects):
-            if effect.slot != "response":
-                continue
-            body = ContactModel.filled(problem.elastic, [effect]).body
-            if body is None:
-                raise UsageError(
-                    f"{effect_key(k, 'kind')} = {effect.kind!r}: as it stands it is no body on a clamped "
-                    f"base, which is what method {self.name!r} solves; change it, or leave "
-                    f"[methods.{self.name}] out"
-                )
-            if body.depth is not None and depth is not None:
-                raise UsageError(
-                    f"methods.{self.name}.depth: {effect_key(k, effect.kind)} says the depth; "
-                    "leave one of them out"
-                )
+        layered = in_slot("response", effects)
+        if not layered:
+            return
+        body = ContactModel.filled(problem.elastic, effects).body
+        if body is None:
+            raise UsageError(
+                f"{layered}: as it stands it is no body on a clamped base, which is what method "
+                f"{self.name!r} solves; change it, or leave [methods.{self.name}] out"
+            )
+        if body.depth is not None and depth is not None:
+            raise UsageError(f"methods.{self.name}.depth: {layered} says the depth; leave one of them out")
 
     def places(self, options: Any) -> Iterator[tuple[Grid, Shift]]:
         """Yield the grids and sub-grid shifts that a scene asks for, coarse grids first."""

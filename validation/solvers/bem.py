@@ -10,20 +10,17 @@ from typing import TYPE_CHECKING, Any
 from pydantic import StrictInt
 
 from validation.arrays import Grid
-from validation.effects.base import Effect, effect_key
+from validation.effects.base import Effect
 from validation.errors import UsageError
-from validation.solvers.base import Cost, Gridded, Job, Shift, Size, Solved, Solver, example_job
+from validation.solvers.base import Cost, Gridded, Job, Shift, Size, Solved, Solver, example_job, in_slot
 from validation.units import key
 
 if TYPE_CHECKING:
     from validation.scenes.problem import ContactProblem
 
-# In units of a pair of real 256 x 256 transforms on one thread.
-#: What a solve costs whatever its grid: surface, set-up, storing.
-FIXED_PAIRS = 26.0
 #: Per pair of transforms on the grid; 25 to 30 are needed, and the passes between them cost.
 _PAIRS = 80.0
-BYTES_PER_POINT, FIXED_BYTES = 15 * 8, 3 * 2**19
+BYTES_PER_POINT = 15 * 8
 #: Further bytes per point where a patch is transformed on twice the points along both axes.
 _DOUBLED = 14 * 8
 
@@ -49,9 +46,8 @@ class Bem(Solver):
 
     def cited(self, effects: Sequence[Effect]) -> tuple[str, ...]:
         """With attraction the energy has many minima, which another algorithm finds."""
-        if not any(effect.slot == "gap law" for effect in effects):
-            return self.papers
-        return ("Boundary elements by FFT: [stanley1997]; projected Newton method: [bertsekas1982].",)
+        sticky = ("Boundary elements by FFT: [stanley1997]; projected Newton method: [bertsekas1982].",)
+        return sticky if in_slot("gap law", effects) else self.papers
 
     def places(self, options: BemOptions) -> Iterator[tuple[Grid, Shift]]:
         """Yield each grid on all of its shifts."""
@@ -60,12 +56,8 @@ class Bem(Solver):
 
     def cost(self, size: Size) -> Cost:
         """Predict from the size of the grid."""
-        doubled = any(effect.slot == "boundary" for effect in size.effects)
-        return Cost(
-            pairs=FIXED_PAIRS + _PAIRS * size.dearer * size.transforms,
-            peak_bytes=FIXED_BYTES + (BYTES_PER_POINT + (_DOUBLED if doubled else 0)) * size.points,
-            unknowns=size.points,
-        )
+        bytes_per_point = BYTES_PER_POINT + (_DOUBLED if in_slot("boundary", size.effects) else 0)
+        return size.cost(_PAIRS * size.dearer * size.transforms, bytes_per_point * size.points)
 
     def solve(self, job: Job) -> Solved:
         """Press; attraction makes the problem one of many minima, which another algorithm finds."""
@@ -92,18 +84,13 @@ class Bem(Solver):
 
     def check(self, options: BemOptions, problem: ContactProblem, effects: Sequence[Effect]) -> None:
         """Refuse a mean gap with attraction, of which several states may have one, and shifts of a patch."""
-        free = next((k for k, effect in enumerate(effects) if effect.slot == "boundary"), None)
-        if free is not None and options.shifts > 1:
+        if options.shifts > 1 and (free := in_slot("boundary", effects)):
             raise UsageError(
-                f"methods.bem.shifts = {options.shifts}: {effect_key(free, 'kind')} = {effects[free].kind!r} "
-                "presses one patch, which has no period to be moved in; leave shifts out"
+                f"methods.bem.shifts = {options.shifts}: {free} presses one patch, which has no period to be "
+                "moved in; leave shifts out"
             )
-        sticky = next((k for k, effect in enumerate(effects) if effect.slot == "gap law"), None)
-        if sticky is not None and "mean_gap" in problem.load.held:
-            raise UsageError(
-                f"load.mean_gap: with {effect_key(sticky, 'kind')} = {effects[sticky].kind!r} several states "
-                "have the same; give load.offset"
-            )
+        if "mean_gap" in problem.load.held and (sticky := in_slot("gap law", effects)):
+            raise UsageError(f"load.mean_gap: with {sticky} several states have the same; give load.offset")
 
     def warm_up(self, effects: Sequence[Effect], settings: Mapping[str, Any]) -> None:
         """Press a small surface: large enough for all passes, those of single precision among them."""

@@ -25,7 +25,6 @@ from fem_contact.errors import NotConverged
 from validation.arrays import Array
 from validation.effects.base import Effect
 from validation.solvers.base import Blocks, Claim, Cost, Job, Size, Solved
-from validation.solvers.bem import FIXED_BYTES, FIXED_PAIRS
 from validation.solvers.external import verified
 from validation.solvers.fem import BlockSolver, planned, unknowns_of
 from validation.units import Duration, key
@@ -85,11 +84,7 @@ class Calculix(BlockSolver):
     def cost(self, size: Size) -> Cost:
         """Predict from the unknowns of the mesh."""
         unknowns = unknowns_of(size, "full")
-        return Cost(
-            pairs=FIXED_PAIRS + _PAIRS * unknowns ** (5 / 3),
-            peak_bytes=FIXED_BYTES + int(_BYTES * unknowns ** (4 / 3)),
-            unknowns=unknowns,
-        )
+        return size.cost(_PAIRS * unknowns ** (5 / 3), _BYTES * unknowns ** (4 / 3), unknowns)
 
     def solve(self, job: Job) -> Solved:
         """Write the deck, run ccx, and judge the nodal forces it prints.
@@ -163,33 +158,26 @@ def _deck(
     `planes` are the z of the planes of nodes, from 0 downwards. The highest point of the profile touches.
     """
     nx, ny = (int(n) for n in heights.shape)
-    count, layers = (nx + 1) * (ny + 1), int(planes.size) - 1
-    spacing = sides[0] / nx, sides[1] / ny
-
-    def node(i: int, j: int, k: int) -> int:
-        return 1 + i * (ny + 1) + j + count * k
-
-    def rigid(i: int, j: int) -> int:
-        return 1 + count * (layers + 1) + i * ny + j
-
-    columns = [(i, j) for i in range(nx) for j in range(ny)]
-    corners = [(i, j) for i in range(nx + 1) for j in range(ny + 1)]
+    layers, dx, dy = int(planes.size) - 1, sides[0] / nx, sides[1] / ny
+    node = 1 + np.arange(planes.size * (nx + 1) * (ny + 1)).reshape(-1, nx + 1, ny + 1)  # by k, i, j
+    rigid = 1 + node.size + np.arange(nx * ny).reshape(nx, ny)
+    columns, corners = list(np.ndindex(nx, ny)), list(np.ndindex(nx + 1, ny + 1))
     yield "*NODE,NSET=ALL"
     for k, z in enumerate(planes):
         for i, j in corners:
-            yield f"{node(i, j, k)},{i * spacing[0]:.13g},{j * spacing[1]:.13g},{z:.13g}"
+            yield f"{node[k, i, j]},{i * dx:.13g},{j * dy:.13g},{z:.13g}"
     for i, j in columns:
-        yield f"{rigid(i, j)},{i * spacing[0]:.13g},{j * spacing[1]:.13g},{spacing[0]:.13g}"
+        yield f"{rigid[i, j]},{i * dx:.13g},{j * dy:.13g},{dx:.13g}"
     yield "*ELEMENT,TYPE=C3D8,ELSET=BLOCK"
     around = ((0, 0), (1, 0), (1, 1), (0, 1))
     for k in range(layers):
         for i, j in columns:
-            nodes = [node(i + a, j + b, below) for below in (k + 1, k) for a, b in around]
+            nodes = [node[below, i + a, j + b] for below in (k + 1, k) for a, b in around]
             yield f"{1 + k * nx * ny + i * ny + j},{','.join(map(str, nodes))}"
-    stiffness, force = _STIFF * _YOUNG * spacing[0], _OPEN * load * spacing[0] * spacing[1]
+    stiffness, force = _STIFF * _YOUNG * dx, _OPEN * load * dx * dy
     for k, (i, j) in enumerate(columns):
         yield f"*ELEMENT,TYPE=GAPUNI,ELSET=G{k}"
-        yield f"{1 + layers * nx * ny + k},{node(i, j, 0)},{rigid(i, j)}"
+        yield f"{1 + layers * nx * ny + k},{node[0, i, j]},{rigid[i, j]}"
         yield f"*GAP,ELSET=G{k}"
         yield f"{heights.max() - heights[i, j]:.12e},0.,0.,1.,,{stiffness:.8e},{force:.8e}"
     yield from ("*MATERIAL,NAME=SOLID", "*ELASTIC", f"{_YOUNG:.13g},{poisson:.13g}")
@@ -200,17 +188,14 @@ def _deck(
             if i == nx or j == ny:
                 for axis in (1, 2, 3):
                     yield "2"
-                    yield f"{node(i, j, k)},{axis},1.,{node(i % nx, j % ny, k)},{axis},-1."
-    for i, j in columns[1:]:
+                    yield f"{node[k, i, j]},{axis},1.,{node[k, i % nx, j % ny]},{axis},-1."
+    for other in rigid.flat[1:]:
         yield "2"
-        yield f"{rigid(i, j)},3,1.,{rigid(0, 0)},3,-1."
-    yield "*NSET,NSET=BASE"
-    yield from (str(node(i, j, layers)) for i, j in corners)
-    yield "*NSET,NSET=TOP"
-    yield from (str(node(i, j, 0)) for i, j in columns)
-    yield "*NSET,NSET=RIGID"
-    yield from (str(rigid(i, j)) for i, j in columns)
+        yield f"{other},3,1.,{rigid[0, 0]},3,-1."
+    for name, members in {"BASE": node[-1], "TOP": node[0, :-1, :-1], "RIGID": rigid}.items():
+        yield f"*NSET,NSET={name}"
+        yield from map(str, members.flat)
     yield from ("*BOUNDARY", "BASE,1,3", "RIGID,1,2")
     yield from ("*STEP,NLGEOM,INC=1000", "*STATIC,SOLVER=SPOOLES", "1.,1.")
-    yield from ("*CLOAD", f"{rigid(0, 0)},3,{-load * sides[0] * sides[1]:.12e}")
+    yield from ("*CLOAD", f"{rigid[0, 0]},3,{-load * sides[0] * sides[1]:.12e}")
     yield from ("*NODE PRINT,NSET=RIGID", "RF", "*NODE PRINT,NSET=TOP", "U", "*END STEP")

@@ -30,7 +30,6 @@ from validation import sandbox
 from validation.arrays import Array
 from validation.effects.base import Effect
 from validation.solvers.base import Claim, Cost, Gridded, Job, Settings, Size, Solved, Solver, example_job
-from validation.solvers.bem import FIXED_BYTES, FIXED_PAIRS
 from validation.units import Duration, Memory, Table, key
 
 if TYPE_CHECKING:
@@ -108,13 +107,11 @@ class ExternalSolver(Solver):
         A NotConverged when it raised, crashed, took too much time or memory, or returned no pressures.
         """
         function = self.function(job.settings)
-        field, model, settings, load = job.field, job.model, job.settings, dict(job.load)
-        given = {
-            "contact_modulus": model.solid.contact_modulus,
-            "mean_pressure": load.pop("mean_pressure", None),
-        }
-        parameters = {"tolerance": settings.get("tolerance", self.accepted)}
-        parameters |= {name: settings[name] for name in self.controls if name in settings}
+        field, model, settings = job.field, job.model, job.settings
+        load: dict[str, Any] = {"mean_pressure": None, **job.load}
+        given = {"contact_modulus": model.solid.contact_modulus, "mean_pressure": load.pop("mean_pressure")}
+        parameters = {"tolerance": self.accepted}
+        parameters |= {name: settings[name] for name in ("tolerance", *self.controls) if name in settings}
         if model.pressure_bound is not None:
             parameters["hardness"] = model.pressure_bound
         if isinstance(model.response, BondedLayer):
@@ -141,13 +138,11 @@ class ExternalSolver(Solver):
             raise NotConverged(f"{function}: raised {type(error).__name__}: {line}") from None
         pressure, mask = np.array(claim.pressure), claim.in_contact
         if pressure.shape != field.shape:
-            raise NotConverged(
-                f"{function}: pressures of shape {pressure.shape}: must have that of the heights, "
-                f"{field.shape}"
-            )
+            words = f"of shape {pressure.shape}: must have that of the heights, {field.shape}"
+            raise NotConverged(f"{function}: pressures {words}")
         if not np.isfinite(pressure).all():
             raise NotConverged(f"{function}: pressures are not finite")
-        named = None if mask is None or mask.shape != field.shape else mask
+        named = mask if mask is not None and mask.shape == field.shape else None
         return replace(claim, pressure=pressure, in_contact=named)
 
     def solve(self, job: Job) -> Solved:
@@ -158,11 +153,7 @@ class ExternalSolver(Solver):
 
     def cost(self, size: Size) -> Cost:
         """Assume memory and time, as pairs of FFTs, of an efficient code on a grid of this size."""
-        return Cost(
-            pairs=FIXED_PAIRS + _PAIRS * size.transforms,
-            peak_bytes=FIXED_BYTES + _BYTES_PER_POINT * size.points,
-            unknowns=size.points,
-        )
+        return size.cost(_PAIRS * size.transforms, _BYTES_PER_POINT * size.points)
 
     def warm_up(self, effects: Sequence[Effect], settings: Mapping[str, Any]) -> None:
         """Solve a small contact, so that the process has imported and compiled what it needs."""
@@ -273,8 +264,8 @@ def serve(
     clock, began = time.process_time(), time.perf_counter()
     answer = solve(heights, tuple(lengths), **given, **more)
     spent, passed = time.process_time() - clock, time.perf_counter() - began
-    mask, iterations, converged = (_field(answer, name) for name in ("in_contact", "iterations", "converged"))
-    pressure = _field(answer, "pressure")
+    get: Any = answer.get if isinstance(answer, Mapping) else lambda name: getattr(answer, name, None)
+    pressure, mask, converged = map(get, ("pressure", "in_contact", "converged"))
     return Claim(
         pressure=np.asarray(answer if pressure is None else pressure).astype(float, casting="same_kind"),
         in_contact=None if mask is None else np.array(mask, dtype=bool),
@@ -282,15 +273,11 @@ def serve(
         cost=contact.Cost(
             wall_seconds=passed,
             cpu_seconds=spent,
-            iterations=0 if iterations is None else int(iterations),
+            iterations=int(get("iterations") or 0),
             unknowns=heights.size,
             peak_bytes=max(_peak_bytes() - before, 0),
         ),
     )
-
-
-def _field(answer: Any, name: str) -> Any:
-    return answer.get(name) if isinstance(answer, Mapping) else getattr(answer, name, None)
 
 
 def _peak_bytes(*, reset: bool = False) -> int:

@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING, Any, Literal
 from fem_contact.contact import ContactResult
 from fem_contact.response import Response
 from validation.arrays import Array
-from validation.effects.base import Effect, effect_key
+from validation.effects.base import Effect
 from validation.errors import UsageError
 from validation.report.quantities import as_length
-from validation.solvers.base import Blocks, Cost, Job, Size, Solved, Solver, example_job
-from validation.solvers.bem import BYTES_PER_POINT, FIXED_BYTES, FIXED_PAIRS
+from validation.solvers.base import Blocks, Cost, Job, Size, Solved, Solver, example_job, in_slot
+from validation.solvers.bem import BYTES_PER_POINT
 from validation.units import key
 
 if TYPE_CHECKING:
@@ -100,12 +100,11 @@ class Fem(BlockSolver):
                 f"solid.poisson = {problem.solid.poisson!r}: method 'fem' locks above {_LOCKING} with "
                 "elements of displacement alone; leave [methods.fem] out or lower it"
             )
-        for k, effect in enumerate(effects):
-            if effect.slot == "pressure bound" and problem.load.held:
-                raise UsageError(
-                    f"{effect_key(k, 'kind')} = {effect.kind!r}: method 'fem' yields under a load only; "
-                    "give one in place of load.offset, or leave [methods.fem] out"
-                )
+        if problem.load.held and (yielding := in_slot("pressure bound", effects)):
+            raise UsageError(
+                f"{yielding}: method 'fem' yields under a load only; give one in place of load.offset, or "
+                "leave [methods.fem] out"
+            )
         self.check_bodies(problem, effects, depth=options.depth)
 
     def variant(self, settings: Mapping[str, Any]) -> str:
@@ -118,10 +117,10 @@ class Fem(BlockSolver):
         unknowns = unknowns_of(size, method)
         pairs, room = _REDUCED_PAIRS * size.transforms, BYTES_PER_POINT * size.points
         if method == "full":
-            yields = any(effect.slot == "pressure bound" for effect in size.effects)
-            pairs = _FULL_PAIRS_PER_UNKNOWN * (_YIELDING_SETS if yields else 1.0) * unknowns
+            sets = _YIELDING_SETS if in_slot("pressure bound", size.effects) else 1.0
+            pairs = _FULL_PAIRS_PER_UNKNOWN * sets * unknowns
             room = _FULL_BYTES_PER_UNKNOWN * unknowns
-        return Cost(pairs=FIXED_PAIRS + pairs, peak_bytes=FIXED_BYTES + room, unknowns=unknowns)
+        return size.cost(pairs, room, unknowns)
 
     def solve(self, job: Job) -> Solved:
         """Press the block with a load, or to an offset."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -71,7 +72,7 @@ class Prediction:
 
     #: A/A0 conditional on the realised gradient of this surface, yielded contact included; NaN: no answer.
     area: float
-    ensemble_area: float | None  # A/A0 from C(q) alone; None where there is no C(q)
+    ensemble_area: float | None = None  # A/A0 from C(q) alone; None where there is no C(q)
     stress_variance: float  # V [Pa^2] of the realised surface at full contact
     plastic: float | None = None  # A_pl/A0 with a hardness
     #: A/A0 with adhesion, the energy read otherwise: by Eq. 43, by Eqs. 44-49 where Eq. 43 was asked for.
@@ -109,11 +110,9 @@ def _scale(spectrum: Spectrum, inputs: TheoryInputs) -> Scale:
 
 def _realised_variance(problem: ContactProblem, inputs: TheoryInputs) -> float:
     """Full-contact stress variance of the surface [Pa^2], on a solid whose modulus may depend on the wave."""
-    if inputs.modulus is None:
-        return float(
-            elastic.stress_variance(problem.field.moments[1], contact_modulus=problem.contact_modulus)
-        )
-    felt = inputs.modulus
+    felt, modulus = inputs.modulus, problem.contact_modulus
+    if felt is None:
+        return float(elastic.stress_variance(problem.field.moments[1], contact_modulus=modulus))
     return problem.field.spectral_sum(lambda q: (felt(q) * q / 2) ** 2)
 
 
@@ -147,7 +146,7 @@ def with_effects(
     options: TheoryOptions | None = None,
 ) -> Prediction:
     """Evaluate the theory at a variance; with adhesion, or a hardness by size, from C(q)."""
-    bare = Prediction(area=math.nan, ensemble_area=None, stress_variance=variance)
+    bare = Prediction(area=math.nan, stress_variance=variance)
     if inputs.hardness is None and inputs.work is None:
         return replace(bare, area=float(elastic.contact_area(pressure, stress_variance=variance)))
     options = options or TheoryOptions()
@@ -163,11 +162,10 @@ def with_effects(
         return replace(bare, note=f"no answer: {error}")
     other = None
     if inputs.work is not None:
-        another = options.model_copy(update={"energy": "improved" if options.energy == "old" else "old"})
-        try:
+        other, energy = math.nan, "improved" if options.energy == "old" else "old"
+        another = options.model_copy(update={"energy": energy})
+        with contextlib.suppress(PerssonError):
             other = adhesive_contact(inputs, pressure, another, scale=scale).real_area
-        except PerssonError:
-            other = math.nan
     yielded = None if inputs.hardness is None else float(answer.area_plastic[-1])
     return replace(bare, area=float(answer.area[-1]), plastic=yielded, other=other)
 
@@ -265,10 +263,8 @@ def against_magnification(
         try:
             answers.append(_answer(inputs, pressure, options, scale=scale))
         except PerssonError as error:
-            none = np.empty(0)
-            answers.append(
-                Answer(pressure=pressure, wavevectors=none, area=none, area_plastic=none, note=str(error))
-            )
+            none: Any = dict.fromkeys(("wavevectors", "area", "area_plastic"), np.empty(0))
+            answers.append(Answer(pressure=pressure, **none, note=str(error)))
     return tuple(answers)
 
 

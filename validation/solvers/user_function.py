@@ -69,9 +69,7 @@ def _digest(function: str) -> str:
         raise UsageError(
             f"methods.own.solver = {function!r}: no module {package!r} is installed or lies in {here!r}"
         )
-    places = spec.submodule_search_locations
-    single = [] if spec.origin is None else [Path(spec.origin)]
-    files = (
-        single if places is None else sorted(path for place in places for path in Path(place).rglob("*.py"))
-    )
+    files = [Path(spec.origin or "")]
+    if (places := spec.submodule_search_locations) is not None:
+        files = sorted(path for place in places for path in Path(place).rglob("*.py"))
     return hashlib.sha256(b"".join(file.read_bytes() for file in files if file.is_file())).hexdigest()[:16]
