@@ -30,7 +30,7 @@ from validation.report.estimates import total_error
 from validation.report.figure import new_figure, readable_ticks, save_figure
 from validation.report.findings import note
 from validation.report.marks import Figure, Line, Panel, draw, panels_along
-from validation.report.page import Page, Placed, render, write_page
+from validation.report.page import Page, render, write_page
 from validation.report.table import ResultTable, WordTable, shown, write_dataset
 from validation.report.views import Card, Views
 from validation.report.words import mathematics, percent
@@ -139,7 +139,7 @@ def test_half_a_page_holds_a_table_of_76_characters():
     def narrow(*widths, turned=False):
         across = tuple("y" * width for width in widths)
         rows = tuple(("x", cell) for cell in across) if turned else (across,)
-        return Placed(WordTable(columns=tuple("abcd"[: len(rows[0])]), rows=rows), turned).narrow
+        return WordTable(columns=tuple("abcd"[: len(rows[0])]), rows=rows, turned=turned).narrow
 
     assert narrow(17, 17, 17, 17)
     assert not narrow(17, 17, 17, 18)

@@ -15,6 +15,7 @@ import itertools
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import fields, is_dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -62,15 +63,14 @@ def gather(cases: Mapping[Any, xr.Dataset], *along: str, **dims: Sequence[Any]) 
     >>> data.area.values.tolist(), data.pressure.dims
     ([[0.1, 0.2], [0.1, 0.2], [nan, nan]], ('poisson', 'load'))
     """
-    several = len(along or dims) > 1
-    named = {place if several else (place,): case for place, case in cases.items()}
+    named = {place if len(along or dims) > 1 else (place,): case for place, case in cases.items()}
     if along:
         dims = {dim: list(dict.fromkeys(place[k] for place in named)) for k, dim in enumerate(along)}
-    first = next(iter(cases.values()))
-    alike = set(first.sizes.items()) | set(first.variables)
-    for place, case in cases.items():
-        if odd := alike ^ (set(case.sizes.items()) | set(case.variables)):
-            words = ", ".join(sorted({str(one[0] if isinstance(one, tuple) else one) for one in odd}))
+    traits = {place: {*c.sizes.items(), *((n, "") for n in c.variables)} for place, c in cases.items()}
+    first, *_ = cases.values()
+    for place, own in traits.items():
+        if odd := own ^ next(iter(traits.values())):
+            words = ", ".join(sorted({str(name) for name, _ in odd}))
             raise UsageError(f"cases to be gathered differ in {words}, as at {place}")
     sizes = {dim: len(values) for dim, values in dims.items()}
     places = dict(zip(itertools.product(*dims.values()), np.ndindex(*sizes.values()), strict=True))
@@ -107,10 +107,8 @@ def _without(values: Mapping[Any, xr.DataArray], axis: int) -> dict[Any, xr.Data
     for place, value in values.items():
         known = kept.setdefault((*place[:axis], *place[axis + 1 :]), value)
         a, b = known.values, value.values
-        if a.dtype.kind == "f":
-            alike = np.allclose(a, b, rtol=1e-12, atol=0.0, equal_nan=True)
-        else:
-            alike = np.array_equal(a, b)
+        number = a.dtype.kind == "f"
+        alike = np.allclose(a, b, rtol=1e-12, atol=0.0, equal_nan=True) if number else np.array_equal(a, b)
         if not alike:
             return None
     return kept
@@ -180,8 +178,8 @@ def error_of(value: xr.DataArray, **sources: xr.DataArray | Array | float | str)
         share = sources.get(source, math.nan)
         if isinstance(share, str):
             why[source], share = f"does not enter: {share}", 0.0
-        if isinstance(share, xr.DataArray) and share.dims != value.dims:
-            share = (xr.zeros_like(value, dtype=float) + share).transpose(*value.dims)
+        if isinstance(share, xr.DataArray):
+            share = _alike(share, value)
         parts.append(np.broadcast_to(np.asarray(share, dtype=float), value.shape))
     coords = {**value.coords, "source": list(SOURCES)}
     return xr.DataArray(np.abs(np.stack(parts, -1)), coords, (*value.dims, "source"), attrs=why)
@@ -210,7 +208,7 @@ def claim(data: xr.Dataset, *names: str, **sources: xr.DataArray | float | str) 
         old = optional(data, f"{name}_error")
         if old is not None:
             wanted = np.isin(SOURCES, list(sources))
-            more = more.copy(data=np.where(wanted, more.values, old.transpose(*more.dims).values))
+            more = more.copy(data=np.where(wanted, more.values, _alike(old, more)))
             # What is claimed does not follow from the reduction of the variable: the audit is told.
             claimed = {*str(old.attrs.get("claimed", "")).split(), *sources}
             kept = {name: words for name, words in old.attrs.items() if name not in sources}
@@ -406,19 +404,23 @@ def change(data: xr.Dataset, name: str, *, along: str, first: int = 0, last: int
     Errors of the two places are taken as independent. Of a place with itself it is not determinable: NaN.
     """
     values = _of(data, f"{name}_each", f"change of {name!r}", along)
-    end, start = (values.isel({along: k}, drop=True) for k in (last, first))
+
+    def ends(of: xr.DataArray) -> list[xr.DataArray]:
+        return [of.isel({along: k}, drop=True) for k in (last, first)]
+
+    end, start = ends(values)
     if first % values.sizes[along] == last % values.sizes[along]:
         end = end * math.nan
     made = {"reduction": "change", "of": f"{name}_each", "along": along, "first": first, "last": last}
     added = {f"{name}_change_each": bare(end / start - 1, **made)}
     errors = optional(data, f"{name}_each_error")
     if errors is not None:
-        shares = (errors.isel({along: k}, drop=True) / v for k, v in ((last, end), (first, start)))
-        total = sum(share**2 for share in shares) ** 0.5 * abs(end / start)
+        error, before = ends(errors)
+        total = ((error / end) ** 2 + (before / start) ** 2) ** 0.5 * abs(end / start)
         added[f"{name}_change_each_error"] = total.transpose(*end.dims, "source").assign_attrs(errors.attrs)
     drift = optional(data, f"{name}_each_drift")
     if drift is not None:
-        moved, before = (drift.isel({along: k}, drop=True) for k in (last, first))
+        moved, before = ends(drift)
         added[f"{name}_change_each_drift"] = (moved - before * end / start) / start
     return _with(data, added)
 
@@ -449,24 +451,18 @@ def derive(data: xr.Dataset, **expressions: str) -> xr.Dataset:
         point = {str(n): data[n] for n in sorted(names & {str(n) for n in data.variables})}
         for absent in sorted(names - set(point) - set(_FUNCTIONS)):
             _of(data, absent, f"{name} = {expression}")
-        value = _at(expression, point)
+        at = partial(_moved, expression, point)
+        value = at({})
         value = value.transpose(*(dim for dim in data.sizes if dim in value.dims))
         added = {name: bare(value, reduction="expression", expression=expression)}
-        errors = {n: data[f"{n}_error"] for n in point if f"{n}_error" in data}
+        errors = [{n: data[f"{n}_error"]} for n in point if f"{n}_error" in data]
         if errors:
-            shifts = [
-                (_at(expression, point | {n: point[n] + e}) - _at(expression, point | {n: point[n] - e})) / 2
-                for n, e in errors.items()
-            ]
+            shifts = [(at(error) - at(error, -1)) / 2 for error in errors]
             total = sum((shift**2 for shift in shifts[1:]), shifts[0] ** 2) ** 0.5
-            first, *others = (e.attrs for e in errors.values())
+            first, *others = (e.attrs for error in errors for e in error.values())
             why = {s: words for s, words in first.items() if all(s in other for other in others)}
             added[f"{name}_error"] = bare(total.transpose(*value.dims, "source"), **why)
-        drifts = [
-            _at(expression, point | {n: point[n] + data[f"{n}_drift"]}) - value
-            for n in point
-            if f"{n}_drift" in data
-        ]
+        drifts = [at({n: data[f"{n}_drift"]}) - value for n in point if f"{n}_drift" in data]
         if drifts:
             added[f"{name}_drift"] = bare(sum(drifts[1:], drifts[0]))
         data = _with(data, added)
@@ -495,9 +491,11 @@ def evaluated(expression: str, values: Mapping[str, Any]) -> Any:
             raise UsageError(f"{expression!r}: {error}") from None
 
 
-def _at(expression: str, values: Mapping[str, xr.DataArray]) -> xr.DataArray:
-    value = evaluated(expression, values)
-    return value if isinstance(value, xr.DataArray) else xr.DataArray(value)
+def _moved(
+    expression: str, point: Mapping[str, xr.DataArray], by: Mapping[str, xr.DataArray], sign: int = 1
+) -> xr.DataArray:
+    """Value of an expression where some variables are moved."""
+    return xr.DataArray(evaluated(expression, {**point, **{n: point[n] + sign * b for n, b in by.items()}}))
 
 
 def power_law(data: xr.Dataset, name: str, *, of: str, x: str, along: Sequence[str]) -> xr.Dataset:
@@ -510,22 +508,16 @@ def power_law(data: xr.Dataset, name: str, *, of: str, x: str, along: Sequence[s
 
     def fit(y: Array, at: Array) -> tuple[float, float, float]:
         valid = np.isfinite(y) & (y > 0) & np.isfinite(at)
-        if np.unique(at[valid]).size < 2:
+        y, at = y[valid], at[valid]
+        if np.unique(at).size < 2:
             return math.nan, math.nan, math.nan
-        line = scipy.stats.linregress(np.log(at[valid]), np.log(y[valid]))
-        free = np.count_nonzero(valid) - 2
-        student = float(scipy.special.stdtrit(free, 0.975)) if free else math.nan
+        line = scipy.stats.linregress(np.log(at), np.log(y))
+        student = float(scipy.special.stdtrit(y.size - 2, 0.975)) if y.size > 2 else math.nan
         return float(line.slope), student * float(line.stderr), float(np.exp(line.intercept))
 
     values, at = (_of(data, one, f"power law {name!r}") for one in (of, x))
-    exponent, half, factor = xr.apply_ufunc(
-        fit,
-        values,
-        at.broadcast_like(values),
-        input_core_dims=[list(along), list(along)],
-        output_core_dims=[[], [], []],
-        vectorize=True,
-    )
+    core: dict[str, Any] = {"input_core_dims": [list(along)] * 2, "output_core_dims": [[], [], []]}
+    exponent, half, factor = xr.apply_ufunc(fit, values, at.broadcast_like(values), vectorize=True, **core)
     made = {"reduction": "power law", "of": of, "x": x, "along": " ".join(along)}
     exponent, factor = (fitted.assign_attrs(made) for fitted in (exponent, factor))
     error = error_of(exponent, surfaces=half).assign_attrs({HOLDS: "scatter around the fit"})

@@ -22,7 +22,6 @@ from matplotlib.ticker import (
 from validation.errors import harmless
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
     from matplotlib.axis import Axis
 
 
@@ -41,9 +40,8 @@ STYLE: Any = {
 }
 
 
-STYLES = ["-", "--", "-.", ":"]
-
-#: What is told apart by symbol and colour.
+#: What is told apart by line, symbol and colour.
+STYLES = ("-", "--", "-.", ":")
 SYMBOLS = ("o", "s", "^", "D", "v", "P", "X", "*")
 COLOURS = ("#0b5394", "#b45f06", "#741b47", "#7f6000", "#134f5c", "#444444", "#990000", "#38761d")
 #: Digits of the labels of a logarithmic axis, most to least.
@@ -104,7 +102,7 @@ def embeddable(svg: str, name: str, *, words: str) -> str:
     return drawing.replace("<svg", f'<svg role="img" aria-label="{escape(harmless(words))}"', 1)
 
 
-def new_figure(columns: int) -> tuple[matplotlib.figure.Figure, list[Axes]]:
+def new_figure(columns: int) -> tuple[matplotlib.figure.Figure, list[Any]]:
     """Return a figure in this look, and its axes side by side."""
     with matplotlib.rc_context(STYLE):
         figure = matplotlib.figure.Figure(figsize=(min(1 + 4 * columns, 13), 3.7), layout="constrained")

@@ -20,7 +20,7 @@ import xarray as xr
 from validation.errors import UsageError
 from validation.report.estimates import each
 from validation.report.quantities import quantity
-from validation.report.values import Value, known, value_of, values_of
+from validation.report.values import Value, known, values_of
 
 
 def _sign(value: Value) -> str:
@@ -204,9 +204,9 @@ def finding(
     said = {n: v for n, v in data.attrs.items() if n in _names(form, item) and n not in data.variables}
     values = {n: _exact(v) for n, v in (said | more).items()}
     form = _OPTIONAL.sub(lambda part: _said(part[1], data, values), form)
-    asked = _names(form, item)
-    values = {n: value for n, value in values.items() if known(value.value) or n in {*asked, by}}
-    here = values_of(data, {*asked, by}.__contains__)
+    asked = _names(form, item) | {by}
+    values = {n: value for n, value in values.items() if known(value.value) or n in asked}
+    here = values_of(data, asked.__contains__)
     if kind not in KINDS or ("verdict" in asked and not (by and KINDS[kind][0])):
         raise UsageError(
             f"finding {form!r}: the kind {kind!r} says no verdict, or 'by' names no value that decides"
@@ -215,29 +215,20 @@ def finding(
         raise UsageError(f"finding {form!r}: {', '.join(strange)}: no outcome of the kind {kind!r}")
     for one in (form, item):
         if one.count("[") != one.count("]") or one != one.strip():
-            raise UsageError(
-                f"finding {one!r}: a bracket is not closed, or a part of the sentence is missing"
-            )
-    rows: list[dict[str, Value]] = []
-    if item:
-        # The rest need not be sliced at every place.
-        shown = [n for n in data.data_vars if str(n).removesuffix("_error") in in_rows]
-        for place in each(data[shown], *over):
-            names = [str(n) for n, v in place.variables.items() if v.ndim == 0 and n in in_rows]
-            rows.append({n: value_of(place, n) for n in names if n not in here})
+            problem = "a bracket is not closed, or a part of the sentence is missing"
+            raise UsageError(f"finding {one!r}: {problem}")
+    # The rest need not be sliced at every place.
+    shown = data[[n for n in data.data_vars if str(n).removesuffix("_error") in in_rows]]
+    places = each(shown, *over) if item else ()
+    rows = tuple(
+        {n: v for n, v in values_of(p, in_rows.__contains__).items() if n not in here} for p in places
+    )
     there = {*here, *values, *(rows[0] if rows else ()), "verdict", "each"}
-    absent = sorted({*asked, by} - there - {""}) if rows or not item else []
+    absent = sorted(asked - there - {""}) if rows or not item else []
     if absent:
         raise UsageError(f"finding {form!r}: no single number {', '.join(absent)} at a place over {over}")
-    return Finding(
-        kind=kind,
-        form=form,
-        values={**here, **values},
-        item=item,
-        rows=tuple(rows),
-        by=by,
-        words=words or {},
-    )
+    values = {**here, **values}
+    return Finding(kind=kind, form=form, values=values, item=item, rows=rows, by=by, words=words or {})
 
 
 #: A part of a form in brackets, with values in it.

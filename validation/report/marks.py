@@ -14,7 +14,7 @@ import textwrap
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass, field, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
@@ -60,6 +60,9 @@ class _Mark:
     where: Mapping[str, Any] = field(default_factory=dict)
     look: Mapping[str, Any] = field(default_factory=dict)
     label: str | None = None
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "by", (self.by,) if isinstance(self.by, str) else self.by)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -107,6 +110,11 @@ class Panel:
     bottom: float | None = None
     top: float | None = None
     right: float | None = None
+
+    @property
+    def up(self) -> str:
+        """The variable along its y."""
+        return self.y or self.marks[0].y
 
 
 @dataclass(frozen=True)
@@ -167,7 +175,7 @@ def panels_along(data: xr.Dataset, dim: str, panel: Panel) -> tuple[Panel, ...]:
     )
 
 
-def draw(figure: Figure, data: xr.Dataset, *, axes: Axes | Sequence[Axes] | None = None) -> Drawing:
+def draw(figure: Figure, data: xr.Dataset, *, axes: Any = None) -> Drawing:
     """Draw a figure of a dataset, into axes that are there if they are given, one for each panel."""
     from validation.report.figure import new_figure, readable_ticks
 
@@ -179,36 +187,36 @@ def draw(figure: Figure, data: xr.Dataset, *, axes: Axes | Sequence[Axes] | None
     if axes is None:
         canvas, places = new_figure(columns=len(figure.panels))
     else:
-        places = list(np.ravel(cast("Any", axes)))
+        places = list(np.ravel(axes))
         if len(places) != len(figure.panels) or not all(hasattr(on, "errorbar") for on in places):
             count = f"{len(figure.panels)} axes of matplotlib, one for each panel"
             raise UsageError(f"ax = {axes!r}: give {count}, or leave it out")
-        canvas = cast("Any", places[0].figure)
+        canvas = places[0].figure
     for panel, on in zip(figure.panels, places, strict=True):
         drawn += _draw_panel(panel, on, data, {one.label: one.look for one in drawn if one.label})
-    _align(figure.panels, list(places))
+    _align(figure.panels, places)
     images = [line for line in drawn if isinstance(line.mark, Image)]
     # Symmetric images have one scale of colours, and one bar for all panels.
-    common = len(images) > 1 and all(cast("Image", line.mark).symmetric for line in images)
+    common = len(images) > 1 and all(line.mark.symmetric for line in images)
     for line in images[:1] if common else images:
-        canvas.colorbar(line.artist, ax=list(places) if common else line.axes, label=mathtext(line.label))
+        canvas.colorbar(line.artist, ax=places if common else line.axes, label=mathtext(line.label))
     if axes is None:
-        _legend(canvas, list(places))
+        _legend(canvas, places)
     else:
         for on in places:
             readable_ticks(on.xaxis)
             readable_ticks(on.yaxis)
             if on.get_legend_handles_labels()[0]:
                 on.legend(fontsize=7)
-    named = ((one.mark.y, one.x, getattr(one.mark, "high", "")) for one in drawn)
-    names = list(dict.fromkeys(itertools.chain.from_iterable(named)))
-    names += [f"{n}_error" for n in names if f"{n}_error" in data]
+    names = dict.fromkeys(n for one in drawn for n in (one.mark.y, one.x, getattr(one.mark, "high", "")))
+    names |= dict.fromkeys(f"{n}_error" for n in names if f"{n}_error" in data)
+    part = whole[[n for n in names if n in whole]]
     # What was asked, without attributes of the machine and of the place in the whole.
-    attrs = {name: value for name, value in data.attrs.items() if name not in ("at", "solves_made")}
+    part.attrs = {name: value for name, value in data.attrs.items() if name not in ("at", "solves_made")}
     return Drawing(
         name=figure.name,
         figure=canvas,
-        data=whole[[n for n in names if n in whole]].drop_attrs(deep=False).assign_attrs(attrs),
+        data=part,
         caption=_caption(figure.caption, drawn),
         drawn=tuple(drawn),
         panels=figure.panels,
@@ -241,11 +249,11 @@ def _shows(panel: Panel, data: xr.Dataset) -> bool:
 
 def _align(panels: Sequence[Panel], places: Sequence[Axes]) -> None:
     """Give panels of the same quantities the same limits; the first alone says what their y is."""
-    if len({panel.x for panel in panels}) == 1 and len({on.get_xlabel() for on in places}) == 1:
+    if len({panel.x for panel in panels}) == 1 == len({on.get_xlabel() for on in places}):
         low, high = np.array([on.get_xlim() for on in places]).T
         for on in places:
             on.set_xlim(low.min(), high.max())
-    if len({panel.y or panel.marks[0].y for panel in panels}) == 1 == len({on.get_ylabel() for on in places}):
+    if len({panel.up for panel in panels}) == 1 == len({on.get_ylabel() for on in places}):
         low, high = np.array([on.get_ylim() for on in places]).T
         if places[0].get_yscale() == "log":  # where the margin of a panel's own range is too narrow
             high *= (high.max() / low.min()) ** 0.03
@@ -268,21 +276,18 @@ def _draw_panel(
 
     part = data.isel(panel.at, missing_dims="ignore")
     places = [(mark, here, k) for mark in panel.marks for k, here in enumerate(_places(mark, part))]
-    y = panel.y or panel.marks[0].y
     along = [here[m.x or panel.x] for m, here, _ in places if (m.x or panel.x) in here]
-    scale_x = _scale(quantity_of(data, panel.x), along)
-    scale_y = _scale(quantity(y), [here[m.y] for m, here, _ in places])
+    name_x, name_y = quantity_of(data, panel.x), quantity(panel.up)
+    scale_x, scale_y = _scale(name_x, along), _scale(name_y, [here[m.y] for m, here, _ in places])
     colours = itertools.count()
     many = {id(mark) for mark, _, k in places if k}
     taken, turns = {one["color"] for one in beside.values()}, dict[int, int]()
     drawn: list[Drawn] = []
     for mark, here, k in places:
-        label = _label(mark, here, data)
-        if isinstance(mark, Image):
-            label = _axis_label(quantity(mark.y), scale_y[1])
+        image, what = isinstance(mark, Image), quantity(mark.y)
+        label = _axis_label(what, scale_y[1]) if image else _label(mark, here, data)
         # A band has the colour of the first line, which it is about.
-        fixed = bool(quantity(mark.y).look) or isinstance(mark, Band)
-        turn = k if mark.by else 0 if fixed else next(colours)
+        turn = k if mark.by else 0 if what.look or isinstance(mark, Band) else next(colours)
         free = (k % 8 for k in range(turn, turn + 8) if COLOURS[k % 8] not in taken)
         turns.setdefault(turn, next((k for k in free if k not in turns.values()), turn))
         look = _look(mark, here, turns[turn], several=id(mark) in many)
@@ -302,19 +307,19 @@ def _draw_panel(
     if "x" in panel.log and (ticks := _few_whole([values * scale_x[0] for values in along])):
         axes.set_xticks(ticks, map(str, ticks))
         axes.set_xticks([], minor=True)
-    if isinstance(panel.marks[0], Image):
-        y = panel.marks[0].rows
-        scale_y = _scale(quantity(y), [data[y]])
-    axes.set_xlabel(_axis_label(quantity_of(data, panel.x), scale_x[1]))
-    axes.set_ylabel(_axis_label(quantity(y), scale_y[1]))
+    mark, bottom = panel.marks[0], panel.bottom
+    if isinstance(mark, Image):
+        name_y = quantity(mark.rows)
+        scale_y = _scale(name_y, [data[mark.rows]])
+    axes.set_xlabel(_axis_label(name_x, scale_x[1]))
+    axes.set_ylabel(_axis_label(name_y, scale_y[1]))
     axes.set_title(mathtext(panel.title), fontsize=9)
-    bottom = panel.bottom
-    if "y" in panel.log and bottom is None and not isinstance(panel.marks[0], Image):
+    if "y" in panel.log and bottom is None and not isinstance(mark, Image):
         # Bars that reach beyond zero have no lower end on a logarithmic axis, nor points at zero a place.
-        seen = [(one.data[one.mark.y], one.data.get(one.x) if "x" in panel.log else None) for one in drawn]
-        shown = [np.ravel((up if x is None else up.where(x > 0)).values) * scale_y[0] for up, x in seen]
-        positive = [values[np.isfinite(values) & (values > 0)] for values in shown]
-        bottom = min((values.min() / 1.5 for values in positive if values.size), default=None)
+        ups = [(one.data[one.mark.y], one.data.get(one.x) if "x" in panel.log else None) for one in drawn]
+        seen = np.concatenate([[], *(np.ravel(up if x is None else up.where(x > 0)) for up, x in ups)])
+        positive = seen[np.isfinite(seen) & (seen > 0)] * scale_y[0]
+        bottom = positive.min() / 1.5 if positive.size else None
     axes.set_ylim(bottom=bottom, top=panel.top)
     if panel.right is not None:
         axes.set_xlim(right=panel.right)
@@ -339,7 +344,7 @@ def _places(mark: _Mark, data: xr.Dataset) -> Iterable[xr.Dataset]:
     for name, value in mark.where.items():
         data = data.isel({data[name].dims[0]: np.flatnonzero(data[name].values == value)})
     # Where nothing was solved, nothing is drawn.
-    return (here for here in each(data, *_by(mark)) if bool(here[mark.y].notnull().any()))
+    return (here for here in each(data, *mark.by) if bool(here[mark.y].notnull().any()))
 
 
 def _put(mark: _Mark, axes: Axes, here: xr.Dataset, x: str, factors: Pair, look: dict[str, Any]) -> Any:
@@ -358,24 +363,22 @@ def _put(mark: _Mark, axes: Axes, here: xr.Dataset, x: str, factors: Pair, look:
         return image
     if isinstance(mark, Level):
         plain = {k: v for k, v in look.items() if k in ("color", "ls", "lw", "label")}
-        level = float(values) * factors[1]
+        level, half = (float(one) * factors[1] for one in (values, 0.0 if error is None else error))
         line = axes.axhline(level, **{"lw": 1, **plain})
-        if error is not None and np.isfinite(error) and error > 0:
-            half = float(error) * factors[1]
-            axes.axhspan(level - half, level + half, color=plain.get("color"), alpha=0.12, lw=0)
+        if 0 < half < np.inf:
+            axes.axhspan(level - half, level + half, color=look["color"], alpha=0.12, lw=0)
         return line
     if along is None or along.size not in (1, values.size):
-        other = [dim for dim in values.dims if x not in here.variables or dim not in here[x].dims]
-        raise UsageError(
-            f"{mark.y!r} along {x!r}: name {', '.join(map(str, other))} in 'by' or 'at', or another x"
-        )
-    y = values.values * factors[1]
+        other = set(values.dims) - set(here[x].dims if x in here.variables else ())
+        named = ", ".join(str(dim) for dim in values.dims if dim in other)
+        raise UsageError(f"{mark.y!r} along {x!r}: name {named} in 'by' or 'at', or another x")
+    along, y = np.ravel(along), np.ravel(values) * factors[1]
     if isinstance(mark, Band):
         colour = look["color"]
-        if np.all(along == np.ravel(along)[0]):
+        if np.all(along == along[0]):
             point = {k: look[k] for k in ("marker", "mfc", "label") if k in look}
-            return axes.plot(np.ravel(along)[:1], np.ravel(y)[:1], color=colour, ls="", **point)[0]
-        high = here[mark.high].values * factors[1]
+            return axes.plot(along[:1], y[:1], color=colour, ls="", **point)[0]
+        high = np.ravel(here[mark.high]) * factors[1]
         return axes.fill_between(along, y, high, color=colour, alpha=0.12, lw=0, label=look["label"])
     assert isinstance(mark, Line)
     if not mark.joined:
@@ -383,11 +386,10 @@ def _put(mark: _Mark, axes: Axes, here: xr.Dataset, x: str, factors: Pair, look:
     if mark.steps:
         look = {**look, "drawstyle": "steps-mid", "marker": ""}
     # What was not measured there does not break the line.
-    there = np.isfinite(np.ravel(y))
-    bars = None
+    there, bars = np.isfinite(y), None
     if error is not None and np.nansum(error) > 0:
         bars = np.ravel(error)[there] * factors[1]
-    return axes.errorbar(np.ravel(along)[there], np.ravel(y)[there], yerr=bars, **{"ms": 5, **look})
+    return axes.errorbar(along[there], y[there], yerr=bars, **{"ms": 5, **look})
 
 
 def _look(mark: _Mark, here: xr.Dataset, k: int, *, several: bool) -> dict[str, Any]:
@@ -398,10 +400,10 @@ def _look(mark: _Mark, here: xr.Dataset, k: int, *, several: bool) -> dict[str, 
     from validation.report.figure import COLOURS, STYLES, SYMBOLS
 
     options: dict[str, Any] = {}
-    for dim in _by(mark):
+    for dim in mark.by:
         if dim in here.coords and here[dim].ndim == 0:
             options |= named_at(here, dim).get("look", {})
-    if options and len(_by(mark)) > 1:
+    if options and len(mark.by) > 1:
         options["ls"] = STYLES[k % 4]
     fixed = {n: v for n, v in quantity(mark.y).look.items() if not (several and n == "color")}
     named = [c.item() for c in here.coords.values() if c.ndim == 0 and c.dtype.kind in "OU"]
@@ -410,15 +412,11 @@ def _look(mark: _Mark, here: xr.Dataset, k: int, *, several: bool) -> dict[str, 
     return {"color": COLOURS[k % 8], "marker": SYMBOLS[k % 8], **place, **options, **fixed}
 
 
-def _by(mark: _Mark) -> tuple[str, ...]:
-    return (mark.by,) if isinstance(mark.by, str) else mark.by
-
-
 def _label(mark: _Mark, here: xr.Dataset, data: xr.Dataset) -> str:
     if mark.label is not None:
         form = mark.label
         return form.format(**dict(values_of(here, lambda name: f"{{{name}" in form)))
-    where = [words for dim in _by(mark) if (words := place_words(here, dim, data))]
+    where = [words for dim in mark.by if (words := place_words(here, dim, data))]
     what = quantity(mark.y)
     return ", ".join([what.which] * bool(what.which) + where) or what.words
 
@@ -447,10 +445,9 @@ def _axis_label(what: Quantity, unit: str) -> str:
 
 def _legend(canvas: Any, axes: Sequence[Axes]) -> None:
     """Put one legend of all axes below them; none where a title or an axis says it all."""
-    options: dict[str, Any] = {}
-    for on in axes:
-        options |= {name: handle for handle, name in zip(*on.get_legend_handles_labels(), strict=True)}
-    if not options or (len(axes) > 1 and all(len(on.get_legend_handles_labels()[1]) < 2 for on in axes)):
+    legends = [on.get_legend_handles_labels() for on in axes]
+    options = {name: handle for legend in legends for handle, name in zip(*legend, strict=True)}
+    if not options or (len(axes) > 1 and all(len(names) < 2 for _, names in legends)):
         return
     if len(options) == 1 and next(iter(options)) in " ".join(axes[0].get_ylabel().split()):
         return
@@ -458,8 +455,8 @@ def _legend(canvas: Any, axes: Sequence[Axes]) -> None:
     widest = 0.051 * max(map(len, options)) + 0.45
     columns = min(len(options), max(1, int(canvas.get_figwidth() / widest)))
     canvas.set_figheight(canvas.get_figheight() + 0.17 * -(-len(options) // columns) + 0.1)
-    place = "outside lower center"
-    canvas.legend(options.values(), options, loc=place, ncols=columns, fontsize=7, frameon=False)
+    style: dict[str, Any] = {"loc": "outside lower center", "fontsize": 7, "frameon": False}
+    canvas.legend(options.values(), options, ncols=columns, **style)
 
 
 def _caption(text: str, drawn: Sequence[Drawn]) -> str:

@@ -6,7 +6,7 @@ import base64
 import hashlib
 import json
 from collections.abc import Collection, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -45,14 +45,10 @@ _TREATED = (
 )
 
 
-#: Characters of a table, and of a sentence, in half of a page of 1400 pixels.
-_HALF, _LINE = 76, 68
-#: Lines of a table that are as high as the first figure, and by how many what is beside it may be higher.
-_FIGURE, _HIGHER = 20.0, 6.0
-#: Rows from which on a table is folded.
-_FOLDED = 40
-#: Lines of a table for its title and its note, and for a line of a sentence.
-_AROUND, _SENTENCE = 4.5, 0.85
+#: Characters of a sentence in half of a page of 1400 pixels, and lines of a table for each line of it.
+_LINE, _SENTENCE = 68, 0.85
+#: Lines of a table that are as high as the first figure, with by how many what is beside it may be higher.
+_FIGURE = 20.0 + 6.0
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -198,31 +194,6 @@ def _embedded(drawing: Drawing, files: tuple[Path, ...]) -> dict[str, Any]:
     }
 
 
-@dataclass(frozen=True)
-class Placed:
-    """A table on a page; where it is `turned`, its rows stand side by side."""
-
-    table: WordTable
-    turned: bool
-
-    @property
-    def narrow(self) -> bool:
-        """Whether half a page holds it: titles and long cells break between words."""
-        rows = [[len(cell.replace("+- ", "+-")) for cell in row] for row in self.table.rows]
-        if len(rows) > _FOLDED:
-            return False
-        if self.turned:
-            return 20 + sum(2 + max([min(20, first), *others]) for first, *others in rows) <= _HALF
-        titles = (max([6, *map(len, title.split())]) for title in self.table.columns)
-        widths: list[int] = [max(column) for column in zip(titles, *rows, strict=True)]
-        return sum(2 + min(36, width) for width in widths) <= _HALF
-
-    @property
-    def lines(self) -> float:
-        """How high it is, in lines of a table."""
-        return _AROUND + len(self.table.columns if self.turned else self.table.rows)
-
-
 def layout(
     findings: Iterable[str],
     tables: Sequence[WordTable],
@@ -235,14 +206,14 @@ def layout(
     budget and the first table stand below the findings, where half a page holds them and there is room
     beside the first figure.
     """
-    placed = [Placed(table, len(table.columns) > 12 and len(table.rows) < 9) for table in tables]
+    placed = [replace(table, turned=len(table.columns) > 12 and len(table.rows) < 9) for table in tables]
     if budget is not None:
-        upright = Placed(budget, False)
-        placed.insert(1, upright if upright.narrow else Placed(budget, len(budget.rows) < 5))
-    beside: list[Placed] = []
+        budget = replace(budget, turned=not budget.narrow and len(budget.rows) < 5)
+        placed.insert(1, budget)
+    beside: list[WordTable] = []
     lines = 2 + sum(_SENTENCE * (1 + len(text) // _LINE) for text in findings)
-    room = _FIGURE + _HIGHER if figures and not figures[0]["wide"] else 0.0
-    for one in sorted(placed[:2], key=lambda one: one.table is not budget):
+    room = _FIGURE if figures and not figures[0]["wide"] else 0.0
+    for one in sorted(placed[:2], key=lambda one: one is not budget):
         if one.narrow and lines + one.lines <= room:
             beside.append(one)
             lines += one.lines

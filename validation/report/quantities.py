@@ -7,6 +7,7 @@ its 95 % interval).
 
 from __future__ import annotations
 
+import contextlib
 import math
 import tomllib
 from collections.abc import Mapping
@@ -95,13 +96,10 @@ def quantity_of(data: xr.Dataset, name: str) -> Quantity:
     A UsageError for a name that neither knows.
     """
     attrs = data[name].attrs if name in data.variables else {}
-    try:
-        registered = quantity(name)
-    except UsageError:
-        if "key" not in attrs:
-            raise
-    else:
-        if "key" not in attrs or registered.unit == attrs["units"]:
+    if "key" not in attrs:
+        return quantity(name)
+    with contextlib.suppress(UsageError):
+        if (registered := quantity(name)).unit == attrs["units"]:
             return registered
     about = {"words": attrs["long_name"], "unit": attrs["units"]}
     return Quantity(name=name, symbol=name.replace("_", " "), look={}, **about)
@@ -165,11 +163,11 @@ def prefixed_unit(unit: str, largest: float) -> tuple[float, str]:
     >>> prefixed_unit("m", 3e-6), prefixed_unit("1/m", 4e7), prefixed_unit("1/m^2", 9e13)
     ((1000000.0, 'um'), (1e-06, '1/um'), (1e-12, '1/um^2'))
     """
-    if unit in ("m^2", "1/m^2") and math.isfinite(largest) and largest > 0:
+    if unit not in (*_PREFIXED, "1/m", "m^2", "1/m^2") or not 0 < largest < math.inf:
+        return 1.0, unit
+    if unit.endswith("m^2"):
         factor, named = prefixed_unit(unit.removesuffix("^2"), math.sqrt(largest))
         return factor**2, f"{named}^2"
-    if unit not in (*_PREFIXED, "1/m") or not math.isfinite(largest) or largest <= 0:
-        return 1.0, unit
     power = math.floor(math.log10(largest) / 3 + 1e-9)
     if unit == "1/m":
         power = min(max(power, 0), 3)

@@ -15,16 +15,12 @@ import xarray as xr
 from validation.errors import UsageError
 from validation.files import atomic_path
 from validation.report.estimates import SOURCES, SPECTRAL, each, sources_of, total_error
-from validation.report.quantities import (
-    place_words,
-    prefixed_unit,
-    quantity,
-    quantity_of,
-    written_unit,
-)
+from validation.report.quantities import place_words, prefixed_unit, quantity, quantity_of, written_unit
 from validation.report.values import Value, known, value_of
 from validation.report.words import with_error
 
+#: Characters in half of a page of 1400 pixels, and rows from which on a table is folded.
+_HALF, _FOLDED = 76, 40
 #: How variables of single surfaces end.
 _SINGLE = ("_each", "_each_error", "_each_drift")
 
@@ -81,16 +77,16 @@ class Table:
                 raise UsageError(f"table: {named[title]!r} and {name!r} have one title, {title!r}; list one")
         rows = []
         places = {title for name, title, _ in made if name in data.coords}
-        listed = {name for name, _, _ in made} | {f"{name}_error" for name, _, _ in made}
-        subset = data[[str(name) for name in data.data_vars if name in listed]]
+        solved = [t for n, t, _ in made if n in data.data_vars and set(data[n].dims) >= set(self.rows)]
+        listed = {name for name, _, _ in made}
+        subset = data[[n for n in data.data_vars if str(n).removesuffix("_error") in listed]]
         for here in each(subset, *self.rows):
             row: Row = {}
             for name, title, at in made:
                 row |= value_cells(title, value_of(here.isel(at, missing_dims="ignore"), name))
             values = {k: v for k, v in row.items() if k not in places and not k.endswith(SOURCES_OF)}
             there = any(isinstance(v, str) or not math.isnan(v) for v in values.values())
-            titles = [t for n, t, _ in made if n in data.data_vars and set(data[n].dims) >= set(self.rows)]
-            if there and (not self.sparse or any(known(row[title]) for title in titles)):
+            if there and (not self.sparse or any(known(row[title]) for title in solved)):
                 rows.append(row)
         written = {title: unit for name, title, _ in made if (unit := written_unit(data[name]))}
         return replace(ResultTable.of_rows(rows), units=written)
@@ -234,7 +230,7 @@ class WordTable:
     """A table as it is read, on a page or in a terminal.
 
     Columns that begin at the `left` are words; those `yielding` leave first, in this order, where there is no
-    room.
+    room. Where it is `turned`, its rows stand side by side.
     """
 
     columns: tuple[str, ...]
@@ -243,6 +239,24 @@ class WordTable:
     note: str = ""
     left: frozenset[str] = frozenset()
     yielding: tuple[str, ...] = ()
+    turned: bool = False
+
+    @property
+    def narrow(self) -> bool:
+        """Whether half a page holds it: titles and long cells break between words."""
+        rows = [[len(cell.replace("+- ", "+-")) for cell in row] for row in self.rows]
+        if len(rows) > _FOLDED:
+            return False
+        if self.turned:
+            return 20 + sum(2 + max([min(20, first), *others]) for first, *others in rows) <= _HALF
+        titles = (max([6, *map(len, title.split())]) for title in self.columns)
+        widths: list[int] = [max(column) for column in zip(titles, *rows, strict=True)]
+        return sum(2 + min(36, width) for width in widths) <= _HALF
+
+    @property
+    def lines(self) -> float:
+        """How high it is, in lines of a table, with its title and note."""
+        return 4.5 + len(self.columns if self.turned else self.rows)
 
 
 def shown(table: ResultTable, *, title: str = "", note: str = "") -> WordTable:
@@ -263,12 +277,13 @@ def shown(table: ResultTable, *, title: str = "", note: str = "") -> WordTable:
             for what in words - {""}:
                 absent.setdefault(what, []).append(name.removesuffix(" [%]"))
             continue
-        unit = name[name.rindex("[") + 1 : -1] if name.endswith("]") else "1"
+        head, bracket, unit = (
+            name.removesuffix("]").rpartition("[") if name.endswith("]") else (name, "", "1")
+        )
         sizes = (abs(value) for value in values if isinstance(value, float) and math.isfinite(value))
         factor, prefixed = table.units.get(name) or prefixed_unit(unit, max(sizes, default=0.0))
-        columns.append(f"{name.removesuffix(f'[{unit}]')}[{prefixed}]" if name.endswith("]") else name)
-        errors = [row.get(f"{name} {INTERVAL}") for row in cells]
-        column = [_with_interval(*one, factor) for one in zip(values, errors, strict=True)]
+        columns.append(f"{head}[{prefixed}]" if bracket else name)
+        column = [_with_interval(row[name], row.get(f"{name} {INTERVAL}"), factor) for row in cells]
         if name == names[0] or any(isinstance(cell, str) for cell in column):
             left.add(columns[-1])
         printed.append(list(map(_cell, column)))

@@ -59,15 +59,6 @@ class Value:
         head, said = (html.escape(text) for text in repr(self).rpartition(" = ")[::2])
         return f"<table><tr><th style='text-align:left'>{head}</th><td>{said}</td></tr></table>"
 
-    def _prefixed(self, spec: str) -> str:
-        value = float(self.value)
-        factor, unit = self.shown_in or prefixed_unit(self.unit, abs(value))
-        number = Value(value=factor * value, error=factor * self.error if self.error else self.error)
-        text = f"{number:{spec}}"
-        bare = unit == "1" or "(" in text or "+-" not in text
-        held = f"({self.sources})" if self.sources else ""
-        return " ".join(filter(None, (text if bare else f"({text})", unit if unit != "1" else "", held)))
-
     def __format__(self, spec: str) -> str:
         """Return it in words: ``%`` in per cent, ``+`` with sign, ``~`` without error.
 
@@ -81,7 +72,12 @@ class Value:
                 return in_prefixed_unit(self.value, quantity(self.name).unit, 3)
             return f"{four_digits(self.value * self.shown_in[0])} {self.shown_in[1]}"
         if "p" in spec:
-            return self._prefixed(spec.replace("p", ""))
+            factor, unit = self.shown_in or prefixed_unit(self.unit, abs(self.value))
+            scaled = Value(value=factor * self.value, error=self.error and factor * self.error)
+            text = f"{scaled:{spec.replace('p', '')}}"
+            if unit != "1":
+                text = f"{text} {unit}" if "(" in text or "+-" not in text else f"({text}) {unit}"
+            return f"{text} ({self.sources})" if self.sources else text
         if "." in spec and math.isfinite(self.value):
             if "%" not in spec:
                 return f"{self.value:{spec if spec[-1] in 'efg' else spec + 'g'}}"
