@@ -18,6 +18,7 @@ from pydantic import (
     Field,
     TypeAdapter,
     ValidationError,
+    ValidationInfo,
     WrapValidator,
     model_validator,
 )
@@ -385,12 +386,20 @@ class Table(BaseModel):
                     raise wrong(f"unknown key {key!r}{hint} Allowed: {', '.join(known)}")
         return data
 
+    @model_validator(mode="after")
+    def _fits_together(self, info: ValidationInfo) -> typing.Self:
+        for fault in self._faults(info.context):
+            raise wrong(fault)
+        return self
 
-def exactly_one(table: BaseModel, names: tuple[str, ...]) -> None:
-    """Refuse a table with none or several of some keys."""
+    def _faults(self, context: Any) -> Iterator[str]:
+        """Yield what of its keys does not fit together; `context` is that in which it is read."""
+        yield from ()
+
+
+def exactly_one(table: BaseModel, names: tuple[str, ...]) -> Iterator[str]:
+    """Yield a fault of a table with none or several of some keys."""
     given = [name for name in names if getattr(table, name) is not None]
     if len(given) != 1:
         *others, last = map(repr, names)
-        raise wrong(
-            f"give exactly one of {', '.join(others)} and {last}; found {' and '.join(given) or 'none'}"
-        )
+        yield f"give exactly one of {', '.join(others)} and {last}; found {' and '.join(given) or 'none'}"

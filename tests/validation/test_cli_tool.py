@@ -404,7 +404,7 @@ def test_surfaces_are_generated_inspected_and_converted(done, mistake, tmp_path)
     done("surface convert rough.nc rough.txt")
     out = done("surface convert rough.txt rough.npy --length '100 um' --unit '1 m'")
     assert 'it does not say length = [0.0001, 0.0001] (m) and unit = "1 m"' in out
-    from validation.scenes.topography.reading import read_topography
+    from validation.scenes.topography.measured import read_topography
 
     np.testing.assert_array_equal(
         np.load(tmp_path / "rough.npy"), read_topography(tmp_path / "rough.nc").heights

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from validation.errors import UsageError
-from validation.scenes.topography import reading
+from validation.scenes.topography import measured as reading
 
 _SPEC = importlib.util.spec_from_file_location("hostile_files", Path(__file__).with_name("hostile_files.py"))
 files = importlib.util.module_from_spec(_SPEC)

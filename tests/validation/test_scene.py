@@ -21,11 +21,10 @@ from validation.errors import SceneError, UsageError
 from validation.execution.attempt import Progress
 from validation.execution.bench import Bench
 from validation.scenes.checks import check_scene
-from validation.scenes.grids import usual_grids
 from validation.scenes.keys import scene_keys
 from validation.scenes.mistakes import problems
 from validation.scenes.problem import realise
-from validation.scenes.scene import Scene, builtin_scenes, load_scene
+from validation.scenes.scene import Scene, builtin_scenes, load_scene, usual_grids
 from validation.scenes.sweep import load_asked
 from validation.solvers import find_method
 

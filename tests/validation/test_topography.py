@@ -36,11 +36,10 @@ from validation.report.page import clear_page
 from validation.scenes.problem import realise
 from validation.scenes.scene import load_scene
 from validation.scenes.sweep import load_asked
-from validation.scenes.topography import reading
+from validation.scenes.topography import measured as reading
 from validation.scenes.topography.formats import read_plain
-from validation.scenes.topography.measured import Measured
+from validation.scenes.topography.measured import Measured, file_says, read_topography
 from validation.scenes.topography.patch import Topography
-from validation.scenes.topography.reading import file_says, read_topography
 from validation.scenes.topography.statistics import height_statistics
 from validation.scenes.topography.writing import write_topography
 from validation.units import LARGEST

@@ -5,7 +5,7 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 from validation.errors import UsageError
-from validation.scenes.topography.reading import file_says, read_topography
+from validation.scenes.topography.measured import file_says, read_topography
 
 NUMBERS = np.round(np.random.default_rng(15).normal(size=(5, 4)), 3)
 

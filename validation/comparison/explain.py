@@ -23,9 +23,8 @@ from validation.execution.solve import Prediction, transform_seconds
 from validation.measurements.measurement import has_square_cells
 from validation.report.quantities import as_length, in_prefixed_unit
 from validation.scenes.checks import check_scene
-from validation.scenes.grids import affordable, usual_grids
 from validation.scenes.problem import ContactProblem, realise
-from validation.scenes.scene import Scene
+from validation.scenes.scene import Scene, affordable, usual_grids
 from validation.scenes.surfaces import Expected
 from validation.scenes.sweep import Sweep
 from validation.solvers import Solver, methods

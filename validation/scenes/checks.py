@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+
 from validation.effects.base import ContactModel, effect_key
 from validation.errors import UsageError
 from validation.report.quantities import as_length
@@ -27,8 +29,7 @@ def check_scene(scene: Scene, problem: ContactProblem) -> None:
                 f"handled by: {', '.join(able) or 'none'}"
             )
     for name, method in asked.items():
-        missing = method.available()
-        if missing is not None:
+        if missing := method.available():
             raise UsageError(f"methods.{name}: {missing}")
     _check_control(scene)
     if scene.subsurface is not None:
@@ -51,9 +52,8 @@ def check_scene(scene: Scene, problem: ContactProblem) -> None:
         cases = [problem]
         if not problem.load.held and len(problem.pressures) > 1:
             cases = [problem.under(Load(pressure=pressure)) for pressure in problem.pressures]
-        for k, effect in enumerate(scene.effects):
-            for case in cases:
-                effect.check(case, grids, model=model, key=effect_key(k, ""))
+        for (k, effect), case in itertools.product(enumerate(scene.effects), cases):
+            effect.check(case, grids, model=model, key=effect_key(k, ""))
     for name, method in asked.items():
         method.check(scene.methods.options(name), problem, scene.effects)
 

@@ -22,11 +22,11 @@ def problems(error: ValidationError, *, flags: bool = False) -> list[str]:
     keys are options of a command.
     """
     items = error.errors()
-    wrong = {(*item["loc"][:-1], int) for item in items if item["type"] != "missing"}
-    items = [i for i in items if i["type"] != "missing" or (*i["loc"][:-1], type(i["loc"][-1])) not in wrong]
+    wrong = {item["loc"][:-1] for item in items if item["type"] != "missing"}
     # The values of a pair have no keys of their own.
-    short = {i["loc"][:-1]: i for i in items if i["type"] == "missing" and isinstance(i["loc"][-1], int)}
-    items = [i for i in items if i["type"] != "missing" or i["loc"][:-1] not in short]
+    absent = [i for i in items if i["type"] == "missing" and isinstance(i["loc"][-1], int)]
+    short = {i["loc"][:-1]: i for i in absent if i["loc"][:-1] not in wrong}
+    items = [i for i in items if i not in absent]
     items += [
         {**i, "type": "too_short", "loc": array, "ctx": {"min_length": int(i["loc"][-1]) + 1}}
         for array, i in short.items()
@@ -40,15 +40,14 @@ def problems(error: ValidationError, *, flags: bool = False) -> list[str]:
     each: list[Any] = [
         {**first, "loc": first["loc"][:-1]} if others else first for first, *others in alike.values()
     ]
-    if not flags:
-        return [_problem(item) for item in each]
-    lines = []
-    for item in each:
-        value, location = item["input"], item["loc"]
-        given = ",".join(map(str, value)) if isinstance(value, list) and value else brief(value)
-        flag = f"--{str(location[0]).replace('_', '-')} = {given}: " if location else ""
-        lines.append(f"{flag}{allowed(item)}")
-    return lines
+    return list(map(_flag_problem if flags else _problem, each))
+
+
+def _flag_problem(item: Any) -> str:
+    value = item["input"]
+    given = ",".join(map(str, value)) if isinstance(value, list) and value else brief(value)
+    flag = f"--{str(item['loc'][0]).replace('_', '-')} = {given}: " if item["loc"] else ""
+    return f"{flag}{allowed(item)}"
 
 
 #: Values of `kind`, and all that stands in pydantic's locations without being a key.

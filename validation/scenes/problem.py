@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, fields, replace
 from functools import cached_property, partial
-from typing import Any, Protocol
+from typing import Any
 
 from fem_contact.solid import Solid
 from fem_contact.surface import HeightField, RandomWaves, resolves
@@ -13,7 +13,7 @@ from validation.arrays import Grid, Pair
 from validation.errors import UsageError
 from validation.report.quantities import as_length
 from validation.scenes import surfaces
-from validation.scenes.tables import FileSurface, Load, SolidSpec, SpectrumSurface, Surface
+from validation.scenes.tables import FileSurface, Load, RandomSurface, SolidSpec, SpectrumSurface, Surface
 from validation.scenes.topography.measured import Measured
 
 
@@ -45,21 +45,22 @@ class ContactProblem:
         """Return another realisation of the same spectrum; the same value for its own."""
         return self if realisation == self.realisation else replace(self, realisation=realisation)
 
+    @property
+    def _random(self) -> RandomSurface:
+        assert isinstance(self.surface, RandomSurface)
+        return self.surface
+
     @cached_property
-    def _waves(self) -> RandomWaves | None:
+    def _waves(self) -> RandomWaves:
         """The waves of a random surface, drawn once for all grids."""
-        if isinstance(self.surface, FileSurface):
-            return None
-        return surfaces.waves_of(self.surface, self.realisation)
+        return surfaces.waves_of(self._random, self.realisation)
 
     @cached_property
     def measured(self) -> Measured | None:
         """The measured surface, read and hashed once; None for a random one."""
-        if self.given is not None:
-            return self.given
-        if not isinstance(self.surface, FileSurface):
-            return None
-        return Measured.read(self.surface, self.realisation)
+        if self.given is None and isinstance(self.surface, FileSurface):
+            return Measured.read(self.surface, self.realisation)
+        return self.given
 
     @cached_property
     def field(self) -> HeightField:
@@ -69,18 +70,16 @@ class ContactProblem:
         """
         if self.measured is not None:
             return self._signed(self.measured.field)
-        assert not isinstance(self.surface, FileSurface)
         if not self.drawn:
-            return surfaces.expected(self.surface)  # type: ignore[return-value]
-        surfaces.check_memory(self.surface)
-        return self.heights(self.surface.resolving_grid)
+            return surfaces.expected(self._random)  # type: ignore[return-value]
+        surfaces.check_memory(self._random)
+        return self.heights(self._random.resolving_grid)
 
     def heights(self, grid: Grid, shift: Pair = (0.0, 0.0)) -> HeightField:
         """Return the surface on a grid, moved by parts of a cell."""
-        if isinstance(self.surface, FileSurface):
+        if self.measured is not None:
             return self.on_points(self.field, grid, shift)
-        assert self._waves is not None
-        return self._signed(surfaces.sampled(self._waves, self.surface, grid, shift))
+        return self._signed(surfaces.sampled(self._waves, self._random, grid, shift))
 
     def aliases(self, grid: Grid) -> bool:
         """Whether a grid has fewer points than the map along a side: it cannot carry all waves of it."""
@@ -106,10 +105,7 @@ class ContactProblem:
     @cached_property
     def spectrum_shape(self) -> surfaces.AnySpectrum:
         """C(q) whose scale may be another: for a measured surface an estimate, whatever its edges."""
-        if isinstance(self.surface, FileSurface):
-            assert self.measured is not None
-            return self.measured.spectrum
-        return surfaces.spectrum_of(self.surface)
+        return surfaces.spectrum_of(self._random) if self.measured is None else self.measured.spectrum
 
     @cached_property
     def own_spectrum(self) -> surfaces.AnySpectrum:
@@ -181,10 +177,7 @@ class ContactProblem:
     @cached_property
     def shortest(self) -> float:
         """lambda_short [m]; of a measured surface, see there."""
-        if self.measured is not None:
-            return self.measured.shortest
-        assert not isinstance(self.surface, FileSurface)
-        return self.surface.lambda_short
+        return self._random.lambda_short if self.measured is None else self.measured.shortest
 
     @cached_property
     def variations(self) -> tuple[ContactProblem, ...]:
@@ -201,16 +194,14 @@ class ContactProblem:
     def longest(self) -> float:
         """lambda_long [m], along the lay if there is one; of a measured surface, the longer period."""
         surface = self.surface
-        if isinstance(surface, FileSurface):
-            return max(surface.length)
-        return surface.lambda_long * (getattr(surface, "stretch", None) or 1.0)
+        long = max(surface.length) if isinstance(surface, FileSurface) else surface.lambda_long
+        return long * surface.elongation
 
     @property
     def periods(self) -> float:
         """Long waves side by side on a period, along its side that has fewer; those of a lay run along x."""
         lx, ly = self.lengths
-        stretch = getattr(self.surface, "stretch", None) or 1.0
-        return min(lx, ly * stretch) / self.longest
+        return min(lx, ly * self.surface.elongation) / self.longest
 
     def spacing(self, grid: Grid) -> Pair:
         """Return dx and dy of a grid [m]."""
@@ -236,17 +227,11 @@ class ContactProblem:
                 surface["clipped"] = "single points too"
             second = self.measured.raw.second_digest or None
             surface |= {"second_path": second, "more_paths": self.realisation}  # which of the maps it is
-            usual = {
-                "treatment": surface["treatment"],
-                "spikes": "keep",
-                "lambda_short": None,
-                "second_path": None,
-                "more_paths": 0,
-            }
+            del surface["treatment"]
+            usual = {"spikes": "keep", "lambda_short": None, "second_path": None, "more_paths": 0}
             surface = {k: v for k, v in surface.items() if k not in usual or v != usual[k]}
         else:
-            assert not isinstance(self.surface, FileSurface)
-            surface["seed"] = self.surface.seed_of(self.realisation)
+            surface["seed"] = self._random.seed_of(self.realisation)
             if isinstance(self.surface, SpectrumSurface):
                 surface["path"] = surfaces.read_spectrum(self.surface.path)[1]
             if surface.get("stretch") is None:  # what is not listed names no solve
@@ -260,16 +245,7 @@ class ContactProblem:
 _OF_THE_SURFACE = ("_waves", "measured", "field", "spectrum")
 
 
-class _Scene(Protocol):
-    """What of a scene is made; all else in it is how it is solved."""
-
-    surface: Surface
-    solid: SolidSpec
-    load: Load
-    methods: Any
-
-
-def realise(scene: _Scene, *, like: ContactProblem | None = None, surveyed: bool = False) -> ContactProblem:
+def realise(scene: Any, *, like: ContactProblem | None = None, surveyed: bool = False) -> ContactProblem:
     """Return what a scene asks for, to be made once and handed down.
 
     What another scene made of the same surface, given as `like`, is not made again. A surface that is only

@@ -12,15 +12,16 @@ from functools import reduce
 from importlib import resources
 from operator import or_
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self, TypeAlias
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, TypeAlias
 
-from pydantic import Field, TypeAdapter, ValidationError, ValidationInfo, create_model, model_validator
+from pydantic import Field, TypeAdapter, ValidationError, create_model, model_validator
+from scipy.fft import next_fast_len
 
+from validation.arrays import Grid, Pair
 from validation.effects import effect_kinds
 from validation.effects.base import Effect
 from validation.errors import SceneError, UsageError, did_you_mean
 from validation.report.quantities import as_length
-from validation.scenes.grids import with_usual_grids
 from validation.scenes.mistakes import problems
 from validation.scenes.tables import (
     NAME,
@@ -36,6 +37,7 @@ from validation.scenes.tables import (
     Title,
 )
 from validation.solvers import Method, Solver, methods
+from validation.solvers.base import Size
 from validation.units import MOST_POINTS, Table, as_written, sides_of, wrong
 
 #: Tables whose grids `run --accuracy` chooses: the context in which a scene is then read.
@@ -45,12 +47,9 @@ _GRIDS_CHOSEN = ("methods.bem", "ensemble")
 class MethodTables(Table):
     """Which methods run: those whose table is present, no others; see `validation.solvers`."""
 
-    @model_validator(mode="after")
-    def _some_method(self) -> Self:
-        if not self.solvers and self.options("theory") is None:
-            tables = ", ".join(f"[methods.{name}]" for name in methods())
-            raise wrong(f"give at least one of the tables {tables}")
-        return self
+    def _faults(self, context: Any) -> Iterator[str]:
+        if not self.chosen:
+            yield f"give at least one of the tables {', '.join(f'[methods.{name}]' for name in methods())}"
 
     @property
     def chosen(self) -> dict[str, Method]:
@@ -111,15 +110,8 @@ class Scene(Title):
             raise wrong("effects: each is a table of a list; write [[effects]], not [effects]")
         return data
 
-    @model_validator(mode="after")
-    def _fits_together(self, info: ValidationInfo) -> Self:
-        problem = next(self._problems(info.context or ()), None)
-        if problem is not None:
-            raise wrong(problem)
-        return self
-
-    def _problems(self, chosen: tuple[str, ...]) -> Iterator[str]:
-        """Yield what does not fit together; grids of the chosen tables are not looked at."""
+    def _faults(self, context: Any) -> Iterator[str]:
+        """Yield what does not fit together; grids of the tables that the context names are not looked at."""
         surface, load, ensemble, solvers = self.surface, self.load, self.ensemble, list(self.methods.solvers)
         filled: dict[str, str] = {}
         for effect in self.effects:
@@ -161,7 +153,11 @@ class Scene(Title):
         hint = f"; length: {size:.6g} was read as {size:.6g} m" if max(needed) > MOST_POINTS else ""
         tables = {f"methods.{name}": self.methods.options(name) for name in solvers}
         for name, table in (*tables.items(), ("ensemble", ensemble)):
-            if table is not None and name not in chosen and not getattr(table, "under_resolved", False):
+            if (
+                table is not None
+                and name not in (context or ())
+                and not getattr(table, "under_resolved", False)
+            ):
                 for grid in table.grids:
                     if any(n < least for n, least in zip(grid, needed, strict=True)):
                         yield (
@@ -207,31 +203,34 @@ class Scene(Title):
         return next((method for method in self.methods.solvers.values() if method.for_ensembles), None)
 
 
+_LIBRARY = resources.files("validation.scenes") / "library"
+
+
 def builtin_scenes() -> tuple[str, ...]:
     """Names of the scenes that come with the package."""
-    names = (entry.name for entry in (resources.files("validation.scenes") / "library").iterdir())
+    names = (entry.name for entry in _LIBRARY.iterdir())
     return tuple(sorted(name.removesuffix(".toml") for name in names if name.endswith(".toml")))
 
 
 def scene_text(scene: str) -> tuple[str, Path]:
     """Text of a built-in scene or a scene file, and the folder its relative paths refer to."""
-    path = Path(scene)
+    path, known = Path(scene), builtin_scenes()
     # os.path, because pathlib raises for a name that is too long.
     if path.suffix == ".toml" or os.path.isfile(scene):
         try:
             return path.read_text(encoding="utf-8"), path.parent
         except UnicodeDecodeError:
-            raise SceneError(scene, ["is not UTF-8 text; a scene is a TOML file"]) from None
+            problem = "is not UTF-8 text; a scene is a TOML file"
         except OSError as error:
-            raise SceneError(scene, [f"cannot be read: {error.strerror}"]) from None
+            problem = f"cannot be read: {error.strerror}"
         except ValueError:  # a zero byte in the name
-            raise SceneError(scene, ["is no name of a file"]) from None
-    known = builtin_scenes()
-    if scene in known:
-        entry = resources.files("validation.scenes") / "library" / f"{scene}.toml"
-        return entry.read_text(encoding="utf-8"), Path()
-    hint = did_you_mean(scene, known)
-    raise SceneError(scene, [f"no such scene{hint}; give a .toml file or one of: {', '.join(known)}"])
+            problem = "is no name of a file"
+    elif scene in known:
+        return (_LIBRARY / f"{scene}.toml").read_text(encoding="utf-8"), Path()
+    else:
+        hint = did_you_mean(scene, known)
+        problem = f"no such scene{hint}; give a .toml file or one of: {', '.join(known)}"
+    raise SceneError(scene, [problem])
 
 
 def parsed_toml(text: str, scene: str) -> dict[str, Any]:
@@ -252,9 +251,8 @@ def load_scene(scene: str) -> Scene:
     text, folder = scene_text(scene)
     data = parsed_toml(text, scene)
     if "sweep" in data:
-        raise SceneError(
-            scene, ["[sweep]: is many scenes; fem-contact run and explain take it, this does not"]
-        )
+        problem = "[sweep]: is many scenes; fem-contact run and explain take it, this does not"
+        raise SceneError(scene, [problem])
     return checked_scene(data, folder, scene)
 
 
@@ -282,22 +280,17 @@ def checked_scene(data: Mapping[str, Any], folder: Path, scene: str, *, grids_ch
     except UsageError as error:
         raise SceneError(scene, [str(error), *faults]) from None
     # Absolute, because a worker may stand in another folder.
-    paths: dict[str, Any] = {}
-    for key in ("path", "second_path", "more_paths"):
-        path = getattr(checked.surface, key, None)
-        if isinstance(path, tuple):
-            paths[key] = tuple((folder / one).resolve() for one in path)
-        elif path is not None:
-            paths[key] = (folder / path).resolve()
-    surface = checked.surface.model_copy(update=paths)
-    return checked.model_copy(update={"surface": surface}) if paths else checked
+    named = {key: getattr(checked.surface, key, None) for key in ("path", "second_path")}
+    paths: dict[str, Any] = {key: (folder / path).resolve() for key, path in named.items() if path}
+    if more := getattr(checked.surface, "more_paths", ()):
+        paths["more_paths"] = tuple((folder / path).resolve() for path in more)
+    return checked.model_copy(update={"surface": checked.surface.model_copy(update=paths)})
 
 
 def sized(data: dict[str, Any], folder: Path, scene: str) -> dict[str, Any]:
     """Fill in what the file of a surface says: size of a map, waves of a C(q); ask for what nobody says."""
     surface = data.get("surface")
-    path = surface.get("path") if isinstance(surface, dict) else None
-    if not isinstance(surface, dict) or not isinstance(path, str):
+    if not isinstance(surface, dict) or not isinstance(path := surface.get("path"), str):
         return data
     if surface.get("kind") == "spectrum":
         from validation.scenes.surfaces import read_spectrum
@@ -313,9 +306,8 @@ def sized(data: dict[str, Any], folder: Path, scene: str) -> dict[str, Any]:
         return {**data, "surface": {**waves, **surface}}
     if surface.get("kind") != "file":
         return data
-    from validation.scenes.topography.measured import fault_lines
+    from validation.scenes.topography.measured import fault_lines, file_says
     from validation.scenes.topography.patch import Topography
-    from validation.scenes.topography.reading import file_says
 
     try:
         says = file_says(folder / path)
@@ -324,21 +316,85 @@ def sized(data: dict[str, Any], folder: Path, scene: str) -> dict[str, Any]:
             says.check_square("surface.length")
     except UsageError as error:
         raise SceneError(scene, [f"surface.path = {path!r}: {error}"]) from None
-    about = {key: str(info.description).partition("; d")[0] for key, info in FileSurface.model_fields.items()}
-    known = {"length": says.lengths, "unit": says.unit, **surface}
-    missing = [
-        f"surface.{key}: missing, and {path!r} does not say it; {about[key]}"
-        for key in ("length", "unit")
-        if known[key] is None
-    ]
-    if missing:
-        # All faults at once: none of the others needs size or unit.
-        patch, fields = Topography(heights=says.heights, lengths=(1.0, 1.0)), FileSurface.model_fields
-        asked = {key: surface.get(key, fields[key].default) for key in ("tilt", "missing", "edges")}
-        if faults := patch.faults(**asked):
-            sides = "..." if len({*says.heights.shape}) == 1 else ["...", "..."]
-            blank = {k: v for k, v in (("length", sides), ("unit", "...")) if known[k] is None}
-            lines = fault_lines(faults, {**surface, **blank})
-            missing.append("\n".join(("cannot be pressed as it is", *lines)))
-        raise SceneError(scene, missing)
-    return {**data, "surface": {"length": says.lengths, **surface}}
+    known, fields = {"length": says.lengths, "unit": says.unit, **surface}, FileSurface.model_fields
+    sides = "..." if len({*says.heights.shape}) == 1 else ["...", "..."]
+    blank = {key: mark for key, mark in (("length", sides), ("unit", "...")) if known[key] is None}
+    if not blank:
+        return {**data, "surface": {"length": says.lengths, **surface}}
+    about = {key: str(fields[key].description).partition("; d")[0] for key in blank}
+    missing = [f"surface.{key}: missing, and {path!r} does not say it; {about[key]}" for key in blank]
+    # All faults at once: none of the others needs size or unit.
+    patch = Topography(heights=says.heights, lengths=(1.0, 1.0))
+    asked = {key: surface.get(key, fields[key].default) for key in ("tilt", "missing", "edges")}
+    if faults := patch.faults(**asked):
+        lines = fault_lines(faults, {**surface, **blank})
+        missing.append("\n".join(("cannot be pressed as it is", *lines)))
+    raise SceneError(scene, missing)
+
+
+#: Points on the shortest wave of the coarsest usual grid; the others halve its spacing once and twice.
+_POINTS = 4
+#: What one solve on a usual grid may take: bytes, and pairs of real 256 x 256 transforms, of a millisecond.
+_BYTES, _PAIRS = 2 * 2**30, 6e5
+#: In place of grids where the surface is refused anyway.
+_ANY: list[Any] = [32, 64]
+
+
+def usual_grids(lengths: Pair, shortest: float) -> tuple[Grid, ...]:
+    """Return grids with at least 4, 8 and 16 points on the shortest wave, of sizes that transform quickly."""
+    nx, ny = (2 * int(next_fast_len(math.ceil(_POINTS * n / shortest / 2 - 1e-9))) for n in lengths)
+    return (nx, ny), (2 * nx, 2 * ny), (4 * nx, 4 * ny)
+
+
+def affordable(solver: Solver, grid: Grid, *, lengths: Pair, options: Any) -> bool:
+    """Whether a solve on a grid is predicted to take at most 2 GiB, and about ten minutes."""
+    cost = solver.cost(Size(grid=grid, lengths=lengths, settings=dict(solver.settings(options))))
+    return cost.peak_bytes <= _BYTES and cost.pairs <= _PAIRS
+
+
+def with_usual_grids(data: Mapping[str, Any], folder: Path) -> dict[str, Any]:
+    """Return the tables of a scene with usual grids for each method that names none, and for its ensemble.
+
+    A method has those that it can afford, the ensemble the first two.
+
+    A UsageError for a method that cannot afford the coarsest.
+    """
+    filled, tables = dict(data), data.get("methods")
+    named = {"ensemble": data.get("ensemble"), **(tables if isinstance(tables, dict) else {})}
+    lacking = {n: table for n, table in named.items() if isinstance(table, dict) and "grids" not in table}
+    solvers = {n: method for n, method in methods().items() if n in lacking and isinstance(method, Solver)}
+    if not solvers and "ensemble" not in lacking:
+        return filled
+    waves = _waves(data.get("surface"), folder)
+    usual = usual_grids(**waves) if waves else ()
+    if "ensemble" in lacking:
+        filled["ensemble"] = {**lacking["ensemble"], "grids": list(map(list, usual[:2])) or _ANY}
+    for name, solver in solvers.items():
+        grids = list(map(list, usual)) or _ANY
+        with contextlib.suppress(ValidationError):  # which the scene is refused for
+            options = solver.options.model_validate({**lacking[name], "grids": grids})
+            fitting = (g for g in usual if affordable(solver, g, lengths=waves["lengths"], options=options))
+            grids = list(map(list, fitting)) or _ANY
+            if usual and grids is _ANY:
+                nx, ny = usual[0]
+                raise UsageError(
+                    f"methods.{name}.grids: missing; {_POINTS} points on the shortest wave are {nx} x {ny}, "
+                    "more than 2 GiB or ten minutes a solve; name grids that you can wait for"
+                )
+        filled["methods"] = {**filled["methods"], name: {**lacking[name], "grids": grids}}
+    return filled
+
+
+def _waves(surface: object, folder: Path) -> dict[str, Any]:
+    """Return `lengths` and `shortest` wave of the table of a surface; of a map it is two points at least."""
+    try:
+        table = TypeAdapter[Any](Surface).validate_python(surface)
+    except ValidationError:  # which the scene is refused for
+        return {}
+    if not isinstance(table, FileSurface):
+        return {"lengths": table.length, "shortest": table.lambda_short}
+    from validation.scenes.topography.measured import file_says
+
+    points = file_says(folder / table.path).heights.shape
+    spacing = (length / n for length, n in zip(table.length, points, strict=True))
+    return {"lengths": table.length, "shortest": max(2 * max(spacing), table.lambda_short or 0.0)}

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import hashlib
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
@@ -56,14 +55,10 @@ def spectrum_of(surface: RandomSurface) -> AnySpectrum:
     assert isinstance(surface, SelfAffineSurface)
     from persson.spectrum import SelfAffine
 
-    build: Callable[..., SelfAffine]
-    if surface.rms_gradient is not None:
-        build, size = SelfAffine.from_rms_gradient, surface.rms_gradient
-    else:
-        assert surface.rms_height is not None
-        build, size = SelfAffine.from_rms_height, surface.rms_height
+    by_height = surface.rms_height is not None
+    build = SelfAffine.from_rms_height if by_height else SelfAffine.from_rms_gradient
     straight = build(
-        size,
+        surface.rms_height or surface.rms_gradient or math.nan,  # of which there is one
         hurst=surface.hurst,
         q_long=q_long,
         q_short=q_short,
@@ -76,18 +71,16 @@ def spectrum_of(surface: RandomSurface) -> AnySpectrum:
 
     stretched = Stretched(spectrum=straight, factor=surface.stretch)
     # The height keeps its variance when it is stretched, the slope does not.
-    return (
-        stretched if surface.rms_gradient is None else stretched.scaled(float(straight.m2() / stretched.m2()))
-    )
+    return stretched if by_height else stretched.scaled(float(straight.m2() / stretched.m2()))
 
 
 def band_of(surface: Surface) -> Pair | None:
     """Least and largest |q| [1/m] of the waves that a surface is made of; None if it was measured."""
     if isinstance(surface, FileSurface):
         return None
-    longest = surface.lambda_long * (getattr(surface, "stretch", None) or 1.0)
     sharp = getattr(surface, "rolloff", "sharp") == "sharp"
-    return 2 * math.pi / longest if sharp else 0.0, 2 * math.pi / surface.lambda_short
+    q_long = 2 * math.pi / (surface.lambda_long * surface.elongation)
+    return q_long if sharp else 0.0, 2 * math.pi / surface.lambda_short
 
 
 def read_spectrum(path: Path, *, units: Pair | None = None, power: str = "C") -> tuple[Tabulated, str]:
@@ -160,12 +153,7 @@ def waves_drawn(surface: RandomSurface, realisation: int) -> dict[str, Any]:
     }
 
 
-def sampled(
-    waves: RandomWaves,
-    surface: RandomSurface,
-    grid: Grid,
-    shift: Pair = (0.0, 0.0),
-) -> HeightField:
+def sampled(waves: RandomWaves, surface: RandomSurface, grid: Grid, shift: Pair = (0.0, 0.0)) -> HeightField:
     """Sample a surface on a grid, moved by parts of a cell.
 
     A grid that does not resolve the surface gets its point values; the scene has already been asked whether

@@ -111,16 +111,18 @@ def load_asked(scene: str, settings: Sequence[str] = (), *, grids_chosen: bool =
         return checked_scene(data, folder, scene, grids_chosen=grids_chosen)
     try:
         mode, lists = _table(data.pop("sweep"), data)
+        scenes = tuple(_expanded(data, mode, lists, folder=folder, scene=scene))
+        return Sweep(scenes=scenes, keys=_swept(scenes, mode, lists), mode=mode)
+    except SceneError:
+        raise
     except UsageError as error:
         raise SceneError(scene, [f"[sweep] {error}"]) from None
-    return _expanded(data, mode, lists, folder=folder, scene=scene)
 
 
 def _refuse_rivals(place: str, key: str, others: Iterable[str], how: str) -> None:
     """Refuse a key beside one that it excludes, such as two loads."""
-    rival = next((k for k in others if k != key and any({k, key} <= pair for pair in _EITHER)), None)
-    if rival is not None:
-        raise UsageError(f"{place}: excludes {rival}, which is {how}, too; leave one of them out")
+    if rivals := [k for k in others if k != key and any({k, key} <= pair for pair in _EITHER)]:
+        raise UsageError(f"{place}: excludes {rivals[0]}, which is {how}, too; leave one of them out")
 
 
 def _set_from_outside(data: dict[str, Any], setting: str) -> str:
@@ -129,13 +131,11 @@ def _set_from_outside(data: dict[str, Any], setting: str) -> str:
     key = key.strip()
     if not (equals and key):
         raise UsageError(f"--set {setting}: must be key=value, such as solid.young='2 GPa'")
-    table = data.get("sweep")
+    table, swept = data.get("sweep"), key.startswith("sweep.")
     try:
         flat = dict(_flat(table)) if isinstance(table, dict) else {}
         listed = {k: k if k == "mode" else _found_key(k, data) for k in flat}
-        swept = key.startswith("sweep.")
-        key = key.removeprefix("sweep.")
-        name = key if swept and key == "mode" else _found_key(key, data)
+        name = "mode" if key == "sweep.mode" else _found_key(key.removeprefix("sweep."), data)
         if swept:
             data["sweep"] = {**{k: v for k, v in flat.items() if listed[k] != name}, name: _value(text)}
         elif name in listed.values():
@@ -150,13 +150,13 @@ def _set_from_outside(data: dict[str, Any], setting: str) -> str:
 
 def _value(text: str) -> Any:
     """Read a value as a scene file has it; what is no TOML is a text, such as 5 GPa without quotes."""
+    text = text.strip()
     try:
         read = tomllib.loads(f"value = {text}")
     except (ValueError, RecursionError):
-        return plain_number(text.strip())
-    value = read.get("value")
-    known = len(read) == 1 and isinstance(value, (bool, int, float, str, list))
-    return value if known else text.strip()
+        return plain_number(text)
+    value = read.pop("value", None)
+    return value if not read and isinstance(value, (bool, int, float, str, list)) else text
 
 
 def _found_key(key: str, data: Mapping[str, Any]) -> str:
@@ -186,10 +186,13 @@ def _present(key: str, data: Mapping[str, Any]) -> bool:
     return _effect(data, rest[0]) is not None if table == "effects" else table in data
 
 
-def _effect(data: Mapping[str, Any], kind: str) -> dict[str, Any] | None:
+def _effects(data: Mapping[str, Any]) -> list[Any]:
     listed = data.get("effects")
-    effects = listed if isinstance(listed, list) else []
-    return next((e for e in effects if isinstance(e, dict) and e.get("kind") == kind), None)
+    return listed if isinstance(listed, list) else []
+
+
+def _effect(data: Mapping[str, Any], kind: str) -> dict[str, Any] | None:
+    return next((e for e in _effects(data) if isinstance(e, dict) and e.get("kind") == kind), None)
 
 
 def _put(data: dict[str, Any], key: str, value: Any) -> None:
@@ -206,8 +209,7 @@ def _put(data: dict[str, Any], key: str, value: Any) -> None:
         table = _effect(data, parts[1])
         if table is None:
             table = {"kind": parts[1]}
-            listed = data.get("effects")
-            data["effects"] = [*(listed if isinstance(listed, list) else ()), table]
+            data["effects"] = [*_effects(data), table]
     else:
         table = data
         for part in parts[:-1]:
@@ -262,16 +264,15 @@ def _table(table: Any, data: Mapping[str, Any]) -> tuple[Mode, dict[str, list[An
 
 def _expanded(
     data: dict[str, Any], mode: Mode, lists: Mapping[str, list[Any]], *, folder: Path, scene: str
-) -> Sweep:
+) -> Iterator[Scene]:
     """Make and check every scene; the first that cannot be run is refused, with the values it stands at."""
     joined: Any = itertools.product if mode == "product" else zip
-    scenes = []
     for values in joined(*lists.values()):
         here, placed = copy.deepcopy(data), dict(zip(lists, values, strict=True))
         for key, value in placed.items():
             _put(here, key, value)
         try:
-            scenes.append(checked_scene(here, folder, scene))
+            yield checked_scene(here, folder, scene)
         except SceneError as error:
             at = ", ".join(f"{key} = {brief(value)}" for key, value in placed.items())
             # One sentence about a swept value says enough of where it is.
@@ -280,13 +281,6 @@ def _expanded(
                 for words in error.problems
             ]
             raise SceneError(scene, known) from None
-    keys = _swept(tuple(scenes), mode, lists)
-    for swept in keys if mode == "product" else ():
-        twice = next((v for k, v in enumerate(swept.values) if v in swept.values[:k]), None)
-        if twice is not None:
-            words = value_words(twice, swept.unit)
-            raise SceneError(scene, [f"[sweep] {swept.key}: {words} is listed twice"])
-    return Sweep(scenes=tuple(scenes), keys=keys, mode=mode)
 
 
 def _swept(scenes: Sequence[Scene], mode: Mode, lists: Mapping[str, list[Any]]) -> tuple[SweptKey, ...]:
@@ -298,6 +292,9 @@ def _swept(scenes: Sequence[Scene], mode: Mode, lists: Mapping[str, list[Any]]) 
         step = 1 if mode == "zip" else step // len(lists[key])
         unit, meaning = unit_of(known[key]), known[key].description
         values = tuple(_said(scenes[k * step], key, unit) for k in range(len(lists[key])))
+        twice = next((v for k, v in enumerate(values) if mode == "product" and v in values[:k]), None)
+        if twice is not None:
+            raise UsageError(f"{key}: {value_words(twice, unit)} is listed twice")
         if any(isinstance(value, str) for value in values):
             values, unit = tuple(value_words(value, unit) for value in values), "1"
         taken = word in _TAKEN or (word == "pressure" and key != "load.pressure")
@@ -316,11 +313,7 @@ def _said(scene: Scene, key: str, unit: str) -> Value:
         value = next((effect for effect in tables if effect.kind == part), None) or getattr(value, part)
     if isinstance(value, tuple) and len(set(value)) == 1 and isinstance(value[0], float):
         value = value[0]
-    if isinstance(value, (int, float)) and not isinstance(value, bool):
-        return value
-    if not isinstance(value, tuple):
-        return str(value)
-    # Grids as 32x32, 64x64.
-    return ", ".join(
-        "x".join(map(str, item)) if isinstance(item, tuple) else value_words(item, unit) for item in value
-    )
+    if isinstance(value, tuple):  # grids as 32x32, 64x64
+        items = ("x".join(map(str, n)) if isinstance(n, tuple) else value_words(n, unit) for n in value)
+        return ", ".join(items)
+    return value if isinstance(value, (int, float)) and not isinstance(value, bool) else str(value)

@@ -5,9 +5,9 @@ from __future__ import annotations
 import itertools
 import math
 import os
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import Annotated, Any, ClassVar, Literal, Self, TypeVar
+from typing import Annotated, Any, ClassVar, Literal, TypeVar
 
 from pydantic import (
     AfterValidator,
@@ -91,15 +91,18 @@ class RandomSurface(Table):
         lt=2**63,
     )
 
-    @model_validator(mode="after")
-    def _ordered(self) -> Self:
+    def _faults(self, context: Any) -> Iterator[str]:
         period = min(self.length)
         short, long = (f"{key} = {as_length(getattr(self, key))}" for key in ("lambda_short", "lambda_long"))
         if self.lambda_short >= self.lambda_long:
-            raise wrong(f"{short}: must be below {long}")
+            yield f"{short}: must be below {long}"
         if self.lambda_long > period * (1 + 1e-12):
-            raise wrong(f"{long}: must not exceed the period {as_length(period)}")
-        return self
+            yield f"{long}: must not exceed the period {as_length(period)}"
+
+    @property
+    def elongation(self) -> float:
+        """How many times longer waves are along the lay than across; 1 without one."""
+        return getattr(self, "stretch", None) or 1.0
 
     @property
     def resolving_grid(self) -> Grid:
@@ -136,15 +139,15 @@ class SelfAffineSurface(RandomSurface):
         le=50,
     )
 
-    @model_validator(mode="after")
-    def _consistent(self) -> Self:
-        exactly_one(self, ("rms_gradient", "rms_height"))
-        if self.stretch is not None and self.stretch * self.lambda_long > self.length[0] * (1 + 1e-12):
-            raise wrong(
-                f"stretch = {self.stretch:g}: makes waves of {as_length(self.stretch * self.lambda_long)} "
-                f"along x, longer than the period {as_length(self.length[0])}"
+    def _faults(self, context: Any) -> Iterator[str]:
+        yield from super()._faults(context)
+        yield from exactly_one(self, ("rms_gradient", "rms_height"))
+        longest = self.elongation * self.lambda_long
+        if longest > self.length[0] * (1 + 1e-12):
+            yield (
+                f"stretch = {self.elongation:g}: makes waves of {as_length(longest)} along x, longer than "
+                f"the period {as_length(self.length[0])}"
             )
-        return self
 
 
 class CapillarySurface(RandomSurface):
@@ -191,6 +194,8 @@ class FileSurface(Table):
     They are levelled, filled and made periodic, in this order, as the table says.
     """
 
+    elongation: ClassVar[float] = 1.0
+
     kind: Literal["file"] = key(_KIND)
     path: Path = key('file of heights, relative to the scene file, e.g. "afm.txt"')
     more_paths: tuple[Path, ...] = key(
@@ -231,11 +236,9 @@ class FileSurface(Table):
         "whether a run also treats the map otherwise; default: where that is cheap", None
     )
 
-    @model_validator(mode="after")
-    def _has_waves(self) -> Self:
+    def _faults(self, context: Any) -> Iterator[str]:
         if self.edges == "free" and self.lambda_short is not None:
-            raise wrong("lambda_short: takes waves out of a period, and edges = 'free' has none")
-        return self
+            yield "lambda_short: takes waves out of a period, and edges = 'free' has none"
 
 
 Surface = Annotated[
@@ -266,12 +269,10 @@ class SolidSpec(Table):
         "Poisson ratio of the rough body, in (-1, 0.5], e.g. 0.25", None, gt=-1, le=0.5
     )
 
-    @model_validator(mode="after")
-    def _whole_second(self) -> Self:
+    def _faults(self, context: Any) -> Iterator[str]:
         if (self.second_young is None) != (self.second_poisson is None):
             missing = "second_young" if self.second_young is None else "second_poisson"
-            raise wrong(f"{missing}: missing; a second elastic body has both, a rigid one neither")
-        return self
+            yield f"{missing}: missing; a second elastic body has both, a rigid one neither"
 
     @property
     def elastic(self) -> Solid:
@@ -327,10 +328,8 @@ class Load(Table):
         'distance of the mean planes before deformation that is held, e.g. "400 nm"; -approach', None
     )
 
-    @model_validator(mode="after")
-    def _one(self) -> Self:
-        exactly_one(self, LOADS)
-        return self
+    def _faults(self, context: Any) -> Iterator[str]:
+        return exactly_one(self, LOADS)
 
     @property
     def key(self) -> str:
@@ -395,12 +394,10 @@ class Subsurface(Table):
     )
     vtu: StrictBool = key("write displacement and stress as fields/...-below.vtu", False)
 
-    @model_validator(mode="after")
-    def _rising(self) -> Self:
+    def _faults(self, context: Any) -> Iterator[str]:
         depths = self.depths or ()
         if any(lower <= upper for upper, lower in itertools.pairwise(depths)):
-            raise wrong(f"depths = {', '.join(map(as_length, depths))}: must rise")
-        return self
+            yield f"depths = {', '.join(map(as_length, depths))}: must rise"
 
 
 class Quantities(Table):
@@ -411,12 +408,10 @@ class Quantities(Table):
     leak: Leak | None = None
     subsurface: Subsurface | None = None
 
-    @model_validator(mode="after")
-    def _something(self) -> Self:
-        if not any(getattr(self, name) is not None for name in type(self).model_fields):
-            tables = ", ".join(f"[quantities.{name}]" for name in type(self).model_fields)
-            raise wrong(f"give at least one of the tables {tables}")
-        return self
+    def _faults(self, context: Any) -> Iterator[str]:
+        if all(table is None for _, table in self):
+            tables = ", ".join(f"[quantities.{name}]" for name, _ in self)
+            yield f"give at least one of the tables {tables}"
 
 
 def _inside(path: Path) -> Path:

@@ -76,10 +76,8 @@ def _spikes(heights: Array) -> tuple[str, ...]:
     with np.errstate(over="ignore"):
         low, middle, high = np.percentile(known[:: max(1, known.size // _SAMPLED)], (25, 50, 75))
         far = int(np.count_nonzero(np.abs(known - middle) > _FAR * (high - low)))
-    words = (
-        f"{far} of {known.size} heights lie more than {_FAR:.0f} times the height of the middle half away "
-    )
-    return (f"{words}from it: spikes, or a damaged file",) if far and high != low else ()
+    words = f"{far} of {known.size} heights lie more than {_FAR:.0f} times the height of the middle half"
+    return (f"{words} away from it: spikes, or a damaged file",) if far and high != low else ()
 
 
 def one_line(words: object) -> str:

@@ -107,37 +107,32 @@ class Topography:
             raise UsageError("the topography has no known point")
         if edges is None and tilt is None and self.edge_jump > _JUMP and self.plane_share > REMOVABLE:
             words = f"a plane holds {100 * self.plane_share:.3g} % of the variance of its heights"
-            faults["tilt"], level = (words, "plane"), self.levelled("plane")
-        elif tilt is not None:
+            faults["tilt"], tilt = (words, "plane"), "plane"
+        if tilt is not None:
             level = self.levelled(tilt)
         if count and (missing == "refuse" or (missing == "harmonic" and count > MOST_HOLES)):
-            words = f"{count} of {self.heights.size} heights are NaN or infinite"
+            words, remedy = f"{count} of {self.heights.size} heights are NaN or infinite", "harmonic"
             if count > MOST_HOLES:
-                words += f", and 'harmonic' fills at most {MOST_HOLES}"
-            faults["missing"] = words, "nearest" if count > MOST_HOLES else "harmonic"
+                words, remedy = f"{words}, and 'harmonic' fills at most {MOST_HOLES}", "nearest"
+            faults["missing"] = words, remedy
         if edges is None and level.edge_jump > _JUMP:
             without = " without that plane" if "tilt" in faults else ""
-            words = (
-                f"opposite edges differ by {level.edge_jump:.3g} typical steps between neighbours{without}"
-            )
-            faults["edges"] = f"{words}, so this is no period", "tukey"
+            words = f"{level.edge_jump:.3g} typical steps between neighbours{without}, so this is no period"
+            faults["edges"] = f"opposite edges differ by {words}", "tukey"
         return faults
 
     def filled(self, missing: Missing) -> Topography:
         """Give missing points a height, by choice."""
-        count = self.missing
+        count, heights = self.missing, self.heights
         if count == 0 or missing == "refuse":
             return self
-        if missing == "nearest":
-            from scipy.ndimage import distance_transform_edt
+        words = f"{count} missing points ({100 * count / heights.size:.2g} %) filled: {missing}"
+        if missing == "harmonic":
+            return self._with(words, heights=_harmonic(heights))
+        from scipy.ndimage import distance_transform_edt
 
-            unknown = ~np.isfinite(self.heights)
-            places = distance_transform_edt(unknown, return_distances=False, return_indices=True)
-            heights = np.asarray(self.heights[tuple(places)])
-        else:
-            heights = _harmonic(self.heights)
-        words = f"{count} missing points ({100 * count / self.heights.size:.2g} %) filled: {missing}"
-        return self._with(words, heights=heights)
+        nearest = distance_transform_edt(~np.isfinite(heights), return_distances=False, return_indices=True)
+        return self._with(words, heights=np.asarray(heights[tuple(nearest)]))
 
     def clipped(self) -> Topography:
         """Bring heights far from all others back to that distance, and single points to their neighbours.
@@ -159,10 +154,8 @@ class Topography:
             heights = np.where(heights > above + step, above, heights)
             heights = np.where(heights < below - step, below, heights)
         count = int(np.count_nonzero(np.abs(heights - self.heights) > 0))
-        if not count:
-            return self
         words = f"{count} heights more than {_CLIPPED:g} standard deviations away clipped"
-        return self._with(words, heights=heights)
+        return self._with(words, heights=heights) if count else self
 
     def smoothed(self, shortest: float | None) -> Topography:
         """Take waves shorter than this [m] out of one period."""
@@ -179,16 +172,15 @@ class Topography:
         if edges is None:
             return self
         if edges == "periodic":
-            words = f"taken as periodic (edges differ by {self.edge_jump:.3g} typical steps)"
-            return self._with(words)
+            return self._with(f"taken as periodic (edges differ by {self.edge_jump:.3g} typical steps)")
         if edges == "free":
             return self._with("pressed as one patch, with its edges")
         nx, ny = self.heights.shape
         level = self.heights - float(np.mean(self.heights))
         tapered = window_weights((nx, ny), window=edges, margin=margin) * level
         share = f" over {100 * margin:.3g} % of each side" if edges == "tukey" else ""
-        after = f"h_rms {as_length(rms(level), 4)} before, {as_length(rms(tapered), 4)} after"
-        words = f"made periodic: {edges} taper{share} ({after})"
+        before, after = (as_length(rms(heights), 4) for heights in (level, tapered))
+        words = f"made periodic: {edges} taper{share} (h_rms {before} before, {after} after)"
         return self._with(words, heights=tapered)
 
     def _with(self, words: str, **done: Any) -> Topography:

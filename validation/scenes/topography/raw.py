@@ -66,9 +66,8 @@ def check_shape(shape: tuple[int, ...]) -> None:
     if len(shape) != 2 or min(shape) < 2:
         raise ValueError(f"shape {shape}; a map of at least 2 x 2 heights is needed")
     if math.prod(shape) > MOST_POINTS:
-        raise ValueError(
-            f"{shape[0]} x {shape[1]} heights; at most {MOST_POINTS} are read: cut it or thin it out"
-        )
+        nx, ny = shape
+        raise ValueError(f"{nx} x {ny} heights; at most {MOST_POINTS} are read: cut it or thin it out")
 
 
 def real(values: Any) -> Array:
@@ -83,11 +82,9 @@ def plain_attribute(value: Any, what: str) -> str | None:
     """Return an attribute that should be a short text; None for an empty one, ValueError for others."""
     if value is None:
         return None
+    about = f"{len(value)} characters long" if isinstance(value, str) else f"a {type(value).__name__}"
     if not isinstance(value, str) or len(value) > 64:
-        description = (
-            f"{len(value)} characters long" if isinstance(value, str) else f"a {type(value).__name__}"
-        )
-        raise ValueError(f"{what} is {description}, and must be a text such as 'um'")
+        raise ValueError(f"{what} is {about}, and must be a text such as 'um'")
     return value.strip() or None
 
 
