@@ -17,16 +17,13 @@ from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import Future
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from validation.errors import RunFailed, UsageError
 from validation.execution.attempt import Outcome, Progress, attempt_in_worker, warm_up
 from validation.execution.pool import Again, Died, scheduled
-from validation.execution.solve import check_memory
-
-if TYPE_CHECKING:
-    from validation.execution.solve import Solve
-    from validation.execution.store import Store
+from validation.execution.solve import Solve, check_memory
+from validation.execution.store import Store
 
 #: Solves handed to the scheduler at a time, per worker: one under way and one that waits.
 _AHEAD = 2

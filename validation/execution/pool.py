@@ -6,15 +6,13 @@ import contextlib
 import time
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from validation.execution.attempt import Outcome, Progress, attempt_in_worker, warm_up
+from validation.execution.solve import Solve
+from validation.execution.store import Store
 from validation.files import remove_drafts
 from validation.sandbox import Child, OutOfBounds
-
-if TYPE_CHECKING:
-    from validation.execution.solve import Solve
-    from validation.execution.store import Store
 
 #: Deaths one after another before a solve is begun: something is wrong with this machine.
 _STARTS = 6

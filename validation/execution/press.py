@@ -14,8 +14,9 @@ from typing import TYPE_CHECKING, Any, ClassVar, TypeAlias
 import numpy as np
 
 from fem_contact.contact import ContactResult, Cost, Residuals, Status
-from fem_contact.response import HalfSpace
+from fem_contact.response import HalfSpace, Response
 from fem_contact.solid import Solid
+from fem_contact.surface import HeightField
 from validation.arrays import Grid
 from validation.effects.base import ContactModel
 from validation.execution.solve import PAIR_SECONDS, Compiled, Prediction, Solve, dearer_by
@@ -28,9 +29,6 @@ from validation.solvers.base import Job, Settings, Shift, Size, Solved, Solver
 
 if TYPE_CHECKING:
     import xarray as xr
-
-    from fem_contact.response import Response
-    from fem_contact.surface import HeightField
 
 
 _FIELDS = {

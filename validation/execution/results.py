@@ -12,15 +12,14 @@ import os
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
+
+import xarray as xr
 
 from validation.errors import RunFailed, UsageError
 from validation.execution.store import read_numbers, write_numbers
 from validation.files import digest_of, locked, read_record, write_record
 from validation.report.page import Page, write_page
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 RECORD, DATA = "result.json", "data.nc"
 _FORMAT = "fem-contact result 2"

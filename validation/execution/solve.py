@@ -11,16 +11,14 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 
+from validation.effects.base import Effect
 from validation.errors import UsageError
 from validation.netcdf import dataset_bytes, read_dataset
 from validation.solvers import find_solver
-
-if TYPE_CHECKING:
-    from validation.effects.base import Effect
 
 #: A method, its settings and the effects that it is to be warmed up with.
 Compiled = tuple[tuple[str, Mapping[str, Any], tuple[Any, ...]], ...]
