@@ -16,7 +16,7 @@ from typing import Any, TypeAlias
 import numpy as np
 import xarray as xr
 
-from validation.audit.stored import LARGEST, Array, moments, sealed_bytes
+from validation.audit.stored import Array, moments
 from validation.files import read_record, read_whole
 from validation.netcdf import read_dataset
 
@@ -24,6 +24,8 @@ Lines: TypeAlias = list[list[str]]
 #: Variables by name.
 Variables: TypeAlias = Mapping[Any, xr.Variable]
 
+#: No file that a result consists of is larger.
+_LARGEST = 2**31
 #: Where what shows a result in numbers lies.
 _NUMBERS = ("*.csv", "figures/*.nc")
 
@@ -116,13 +118,23 @@ class Result:
         if path is None or not path.is_file():
             return None
         if (key, read) not in self._read:
-            self._read[key, read] = read(memoryview(sealed_bytes(path)))
+            self._read[key, read] = read(_sealed_bytes(path))
         return self._read[key, read]
 
 
 def _bytes(path: Path, digest: str) -> bytes:
     """Return the bytes of a file that has this digest."""
-    content = read_whole(path, most=LARGEST)
+    content = read_whole(path, most=_LARGEST)
     if hashlib.sha256(content).hexdigest() != digest:
         raise ValueError(f"{path.name} is not what was written (SHA-256)")
     return content
+
+
+def _sealed_bytes(path: Path) -> memoryview:
+    """Return the bytes of a stored solve, whose last line has the digest of those before it."""
+    content = read_whole(path, most=_LARGEST)
+    body = memoryview(content)[:-72]
+    if content[-72:] != b"sha256 %s\n" % hashlib.sha256(body).hexdigest().encode():
+        # No ValueError, after which a number would count as one that cannot be judged.
+        raise OSError(f"{path.name} is not what was written (SHA-256)")
+    return memoryview(content)

@@ -6,12 +6,13 @@ import ast
 import itertools
 import json
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import xarray as xr
+from numpy.typing import NDArray
 
 from validation.audit.dataset import Result, numbers_in, ordered, solves_in
 from validation.audit.expressions import value_of
@@ -23,15 +24,26 @@ from validation.netcdf import read_dataset
 _LEAST_POINTS = 3.0
 
 
-def _places(result: Result, variable: xr.Variable) -> Iterator[tuple[Any, str]]:
-    """Yield index and keys of the solves of a variable: those named along most of its dimensions."""
-    every = solves_in(result.data).values()
-    named = [solves for solves in every if set(solves.dims) <= set(variable.dims)]
-    if named:
-        solves = max(named, key=lambda solves: solves.ndim)
-        for place, key in np.ndenumerate(solves.values):
-            at = dict(zip(solves.dims, place, strict=True))
-            yield tuple(at.get(dim, slice(None)) for dim in variable.dims), str(key)
+def _read_along(
+    solves: xr.Variable, variable: xr.Variable, read: Callable[[list[str]], Any]
+) -> tuple[Array, NDArray[np.bool_]] | None:
+    """Fill an array with what is read by the keys of each place; return it, and where something was.
+
+    Of a place that several say, all must say the same: where they do not it is NaN. None for other shapes.
+    """
+    filled, seen = np.full(variable.shape, np.nan), np.zeros(variable.shape, dtype=bool)
+    for place, keys in np.ndenumerate(solves.values):
+        if not keys or (values := read(str(keys).split())) is None:
+            continue
+        values, at = np.asarray(values, float), dict(zip(solves.dims, place, strict=True))
+        index = tuple(at.get(dim, slice(None)) for dim in variable.dims)
+        if np.shape(values) != filled[index].shape:
+            return None
+        near = np.isclose(
+            filled[index], values, rtol=1e-9, atol=1e-12 * np.fmax.reduce(np.abs(values), None, initial=0.0)
+        )
+        filled[index], seen[index] = np.where(seen[index] & ~near, np.nan, values), True
+    return filled, seen
 
 
 def over_solves(
@@ -39,48 +51,49 @@ def over_solves(
 ) -> Array | None:
     """Fill an array with what is read off the solve of each place; None where one is not to be had.
 
-    Where several keys stand beside each other, `read` takes all of their solves, each of a `kind`. Of a list
-    by load that has one, a variable without that dimension is the value.
+    Solves are those named along most of its dimensions. Where several keys stand beside each other, `read`
+    takes all of their solves, each of a `kind`. Of a list by load that has one, a variable without that
+    dimension is the value.
     """
-    filled, seen = np.full(variable.shape, np.nan), False
-    for index, keys in _places(result, variable):
-        if not keys:
-            continue
-        solves = [result.solve(key, kind) for key in keys.split()]
+
+    def of_all(keys: list[str]) -> Any:
+        solves = [result.solve(key, kind) for key in keys]
         values = None if any(solve is None for solve in solves) else read(*solves)
         if "load" not in variable.dims and isinstance(values, list) and len(values) == 1:
             values = values[0]
-        if values is None or np.shape(values) != filled[index].shape:
-            return None
-        filled[index], seen = values, True
-    return filled if seen else None
+        if values is None:
+            raise LookupError(keys)
+        return values
+
+    named = [solves for solves in solves_in(result.data).values() if set(solves.dims) <= set(variable.dims)]
+    made = named and _read_along(max(named, key=lambda solves: solves.ndim), variable, of_all)
+    return made[0] if made and made[1].any() else None
 
 
 def limits(solve: xr.Dataset, *, without: int = 0) -> list[Pair]:
     """Limit over the resolved grids and its standard error at each load, without so many of the coarsest."""
-    wave = solve["points_per_wave"].values
-    grids = np.flatnonzero(wave >= _LEAST_POINTS * (1 - 1e-9))[without:]
-    points, cells = solve["points"].values, solve["cells"].values
-    names = {"edge_fraction": "edges"} | {name: name for name in ("pixel", "perimeter", "subcell", *TRAITS)}
-    arrays = {to: ordered(solve.variables[name], ("grid", "shift", "load")) for name, to in names.items()}
+    names = ("edge_fraction", "pixel", "perimeter", "subcell", *TRAITS)
+    arrays = {name: ordered(solve.variables[name], ("grid", "shift", "load")) for name in names}
     _, shifts, loads = arrays["pixel"].shape
-    found = []
-    for load in range(loads):
-        areas: list[Any] = []
-        for i, j in itertools.product(grids, range(shifts)):
-            spacing = 1 / float(points[i]), float(points[i]) / float(cells[i])
-            numbers = {name: float(values[i, j, load]) for name, values in arrays.items()}
-            there = not math.isnan(numbers["subcell"])
-            areas.append(SimpleNamespace(spacing=spacing, cells=int(cells[i]), located=there, **numbers))
-        found.append(limit_over(areas))
-    return found
+
+    def area(i: int, *place: int) -> SimpleNamespace:
+        numbers = {name: float(values[i, *place]) for name, values in arrays.items()}
+        points, cells = float(solve["points"].values[i]), int(solve["cells"].values[i])
+        there = {"located": not math.isnan(numbers["subcell"]), "edges": numbers["edge_fraction"]}
+        return SimpleNamespace(spacing=(1 / points, points / cells), cells=cells, **there, **numbers)
+
+    places = list(itertools.product(_resolved(solve)[without:], range(shifts)))
+    return [limit_over([area(i, j, load) for i, j in places]) for load in range(loads)]
+
+
+def _resolved(solve: xr.Dataset) -> Array:
+    return np.flatnonzero(solve["points_per_wave"].values >= _LEAST_POINTS * (1 - 1e-9))
 
 
 def limit(result: Result, name: str, variable: xr.Variable, *, error: bool = False) -> Array | None:
     """Limits over the grids of each solve, or their standard errors."""
     if variable.attrs["of"] == "subcell":
         return over_solves(result, variable, lambda solve: [pair[int(error)] for pair in limits(solve)])
-
     return over_solves(result, variable, lambda *solves: limit_over(solves)[int(error)], Stored)
 
 
@@ -93,10 +106,8 @@ def drift(result: Result, name: str, variable: xr.Variable) -> Array | None:
     """Change of each limit without its coarsest grid."""
 
     def read(solve: xr.Dataset) -> list[float]:
-        wave = solve["points_per_wave"].values
-        resolved = int(np.count_nonzero(wave >= _LEAST_POINTS * (1 - 1e-9)))
-        shifts = ordered(solve.variables["pixel"], ("grid", "shift", "load")).shape[1]
-        if resolved < 3 or (resolved - 1) * shifts < 3:
+        resolved = _resolved(solve).size
+        if resolved < 3 or (resolved - 1) * solve.sizes.get("shift", 1) < 3:
             return [0.0] * solve["reduced_pressure"].values.size
         pairs = zip(limits(solve), limits(solve, without=1), strict=True)
         return [finer - whole for (whole, _), (finer, _) in pairs]
@@ -160,21 +171,13 @@ def _asked(result: Result, solve: xr.Dataset, name: str) -> Any:
 
 
 def _said_by_all(result: Result, variable: xr.Variable, read: Callable[[xr.Dataset], Any]) -> Array | None:
+    def of_first(keys: list[str]) -> Any:
+        solve = result.solve(keys[0])
+        return None if solve is None else read(solve)
+
     for _, solves in sorted(solves_in(result.data).items()):
-        found, seen = np.full(variable.values.shape, np.nan), np.zeros(variable.values.shape, dtype=bool)
-        for place, key in np.ndenumerate(solves.values):
-            solve = result.solve(str(key).split()[0]) if key else None
-            values = None if solve is None else read(solve)
-            if values is None:
-                continue
-            at = dict(zip(solves.dims, place, strict=True))
-            index = tuple(at.get(dim, slice(None)) for dim in variable.dims)
-            if np.shape(values) != found[index].shape:
-                break
-            near = np.isclose(found[index], values, rtol=1e-9, atol=1e-12 * np.max(np.abs(values)))
-            found[index], seen[index] = np.where(seen[index] & ~near, np.nan, values), True
-        else:
-            # Of a place that no solve says it is not known, unless nothing stands there.
-            if seen.any() and np.isnan(variable.values[~seen].astype(float)).all():
-                return found
+        made = _read_along(solves, variable, of_first)
+        # Of a place that no solve says it is not known, unless nothing stands there.
+        if made and made[1].any() and np.isnan(variable.values[~made[1]].astype(float)).all():
+            return made[0]
     return None

@@ -59,57 +59,59 @@ def limit_over(solves: Sequence[Areas]) -> Pair:
     return (value, error) if 0 < value <= 1 + 1e-12 else (math.nan, math.nan)
 
 
+def _mean(group: Sequence[Areas], name: str) -> float:
+    return float(np.mean([getattr(one, name) for one in group]))
+
+
 def _best(grids: Sequence[Sequence[Areas]], *, located: bool) -> Pair:
     """Best estimate of A from areas whose errors are correlated as the error law says."""
-    means = [float(np.mean([one.subcell if located else one.perimeter for one in group])) for group in grids]
-    used = [k for k, mean in enumerate(means) if mean > 0 or k == 0]
-    area = np.array([means[k] for k in used])
-    step = np.array([math.sqrt(math.prod(grids[k][0].spacing)) for k in used])
-    fraction = float(np.mean([one.edges for one in grids[0]])) * step / step[0]
-    unresolved = np.mean([one.unresolved for one in grids[0]])
+    name = "subcell" if located else "perimeter"
+    finest = {trait: _mean(grids[0], trait) for trait in (*TRAITS, "edges", "pixel", name)}
+    used = [group for k, group in enumerate(grids) if k == 0 or _mean(group, name) > 0]
+    area, own = (np.array([_mean(group, of) for group in used]) for of in (name, "edges"))
+    step = np.array([math.sqrt(math.prod(group[0].spacing)) for group in used])
+    fraction, unresolved = own[0] * step / step[0], finest["unresolved"]
     # Kinks that one grid or one in full contact says nothing of, and steps.
     if unresolved > _SMOOTH and (fraction[0] == 0 or unresolved >= (_STEPS if area.size > 1 else _KINKED)):
         return math.nan, math.nan
     if fraction[0] == 0 or not 0 < area[0] < 1:
         return float(area[0]), 0.0
     z = fraction / (area[0] * (1 - area[0]) ** _GAP_POWER)
-    count = np.array([len(grids[k]) * grids[k][0].cells for k in used])
+    shifts = np.array([len(group) for group in used])
+    count = shifts * [group[0].cells for group in used]
     law, noise, odd = (_LAW, _NOISE, _ODD) if located else (_CORRECTED, _CORRECTED_NOISE, 0.0)
     if not located:  # what was taken off is the constant times the edges
-        taken = float(np.mean([one.pixel - one.perimeter for one in grids[0]]))
-        soft = taken / fraction[0] - _CONSTANT
+        soft = (finest["pixel"] - area[0]) / fraction[0] - _CONSTANT
         law = {k: (a * soft, math.hypot(law[k][1], b * soft)) for k, (a, b) in _SOFTER.items()}
-    finest = {name: float(np.mean([getattr(one, name) for one in grids[0]])) for name in TRAITS}
     patches = max(fraction[0] * z[0] * grids[0][0].cells / _ROUND, 1.0)
     few = max((_PATCHES / patches) ** _AVERAGING, _LEAST) if located else 1.0
     few = few * (1 + _ANISOTROPIC * max(finest["anisotropy"] - _CHANCE, 0.0))
-    few += _COARSE * min(finest["unresolved"] / _COARSE_SHARE, 1.0) ** 0.25
+    few += _COARSE * min(unresolved / _COARSE_SHARE, 1.0) ** 0.25
     z = np.maximum(z, _NARROW * finest["wavenumber"] * fraction / fraction[0])
-    spread = np.diag(
-        fraction * (noise[0] ** 2 + (noise[1] * z) ** 2) / count + (odd * few * fraction * z * z) ** 2
+    common, anew = (
+        finest["alignment"] * fraction * (a + b * z) for a, b in (_ALIKE if located else _CORRECTED_ALIKE)
     )
-    own = np.array([float(np.mean([one.edges for one in grids[k]])) for k in used])
+    spread = np.outer(common, common) + np.diag(
+        fraction * (noise[0] ** 2 + (noise[1] * z) ** 2) / count
+        + (odd * few * fraction * z * z) ** 2
+        + anew**2 / (np.sqrt(patches) * shifts)
+    )
     wide = np.minimum(own / (area * np.maximum(1 - area, 1e-9) ** _GAP_POWER), _WIDEST)
     raw = area
     for power, (mean, deviation) in law.items():
         term = (few if power else 1.0) * deviation * fraction * z**power
         spread = spread + np.outer(term, term)
         area = area - mean * own * wide**power
-    common, anew = (
-        finest["alignment"] * fraction * (a + b * z) for a, b in (_ALIKE if located else _CORRECTED_ALIKE)
-    )
-    lines = np.sqrt(patches) * np.array([len(grids[k]) for k in used])
-    spread = spread + np.outer(common, common) + np.diag(anew**2 / lines)
     weight = np.linalg.solve(spread, np.ones(area.size))
     value = float(area[0] + weight @ (area - area[0]) / weight.sum())
     rest = area - value
     # What one grid is told by the law alone is a tenth wider.
     misfit = float(rest @ np.linalg.solve(spread, rest)) / (area.size - 1) if area.size > 1 else 1.1**2
     error = math.sqrt(max(1.0, misfit) / float(weight.sum()))
-    if finest["unresolved"] <= _SMOOTH:
+    if unresolved <= _SMOOTH:
         return value, error
-    kinked = min(max((finest["unresolved"] - _SMOOTH) / (_KINKED - _SMOOTH), 0.0), 1.0)
+    kinked = min((unresolved - _SMOOTH) / (_KINKED - _SMOOTH), 1.0)
     # As if areas converged in first order, and never better than some share of a cell.
-    apart = [abs(a - raw[0]) * step[0] / (h - step[0]) for a, h in zip(raw[1:], step[1:], strict=True)]
-    hidden = (_HIDDEN if apart else _UNSEEN) * fraction[0]
-    return value, math.hypot(error, kinked * max(apart, default=0.0), kinked * hidden)
+    apart = np.abs(raw[1:] - raw[0]) * step[0] / (step[1:] - step[0])
+    hidden = (_HIDDEN if apart.size else _UNSEEN) * fraction[0]
+    return value, math.hypot(error, kinked * apart.max(initial=0.0), kinked * hidden)

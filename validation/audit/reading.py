@@ -46,7 +46,7 @@ def judge_fields(k: int, solve: Stored, run: Run, ledger: Ledger) -> None:
     height = float(np.ptp(solve.h)) or float(np.ptp(solve.u)) or 1.0
     ledger.number(place, "E* [Pa]", solve.modulus, run.surface_modulus)
     pressure = run.pressure(k)
-    if pressure is not None and not run.holds_distance:
+    if not (math.isnan(pressure) or run.holds_distance):
         ledger.number(place, "mean pressure [Pa]", solve.mean_pressure, pressure, rtol=1e-6)
     misfit = float(np.max(np.abs(solve.gap - (solve.u - solve.h + float(solve.attrs["offset"])))))
     ledger.number(place, "gap less u - h + offset, over the height", misfit / height, 0.0, atol=1e-9)
@@ -84,11 +84,10 @@ def judge_surfaces(run: Run, ledger: Ledger) -> None:
         ledger.unread.append("heights of a measured surface against its file")
         return
     for (method, grid, shift, k), solve in run.solves.items():
-        moments = run.moments(k)
-        if moments is None or not run.resolved(solve):
+        if not run.resolved(solve):
             continue
         place = f"{method} {grid[0]}x{grid[1]} {shift}, surface {k}"
-        gradients = math.sqrt(solve.roughness[1]), math.sqrt(moments[1])
+        gradients = math.sqrt(solve.roughness[1]), math.sqrt(run.moments(k)[1])
         ledger.number(place, "h'_rms of the surface pressed", *gradients, rtol=1e-8)
         still = run.solves.get((method, grid, (0.0, 0.0), k))
         if shift != (0.0, 0.0) and still is not None:

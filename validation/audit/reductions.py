@@ -107,18 +107,18 @@ def _mean_errors(result: Result, variable: xr.Variable) -> dict[str, Array]:
     found = {"surfaces": np.where(n > 1, half, np.nan)}
     of, dims = str(variable.attrs["of"]), (*variable.dims, str(variable.attrs["over"]))
     error, drift = (result.data.get(f"{of}_{what}") for what in ("error", "drift"))
+    if error is drift is None:
+        return found
     grid = np.zeros(middle.shape)
     if error is not None:
-        each = [
-            np.broadcast_to(ordered(error.isel(source=k), dims), values.shape) for k in range(len(SOURCES))
-        ]
+        grids, *each = ordered(error, ("source", *dims))[1:]
         fewer = 1 if int(variable.attrs.get("alike", 0)) else np.maximum(there.sum(axis=-1), 1)
-        found |= {source: _mean_there(each[k], there) for k, source in enumerate(SOURCES) if k > 1}
-        grid = _mean_there(each[SOURCES.index("grid")] ** 2, there) / fewer
+        found |= {source: _mean_there(part, there) for source, part in zip(SOURCES[2:], each, strict=True)}
+        grid = _mean_there(grids**2, there) / fewer
     if drift is not None:
-        steps = np.broadcast_to(ordered(drift, dims), values.shape)
+        steps = ordered(drift, dims)
         grid = grid + _mean_there(steps, there) ** 2 + _mean_there(steps**2, there) / there.sum(axis=-1)
-    return found if error is drift is None else {**found, "grid": np.sqrt(grid)}
+    return {**found, "grid": np.sqrt(grid)}
 
 
 def _change(result: Result, name: str, variable: xr.Variable) -> xr.Variable:
@@ -157,7 +157,7 @@ def _expression_errors(result: Result, variable: xr.Variable) -> dict[str, Array
 
 
 def _power(result: Result, variable: xr.Variable) -> Array:
-    """Exponent, half of its 95 % interval and factor of a power, by normal equations."""
+    """Exponent, half of its 95 % interval and factor of a power, by least squares."""
     attrs = variable.attrs
     of, x = result.data[str(attrs["of"])], result.data[str(attrs["x"])]
     dims = (*variable.dims, *str(attrs["along"]).split())
@@ -170,14 +170,12 @@ def _power(result: Result, variable: xr.Variable) -> Array:
         u, v = np.log(at[place][valid]), np.log(y[place][valid])
         if np.unique(u).size < 2:
             continue
-        spread = float(np.sum((u - u.mean()) ** 2))
-        slope = float(np.sum((u - u.mean()) * (v - v.mean()))) / spread
-        rest = v - v.mean() - slope * (u - u.mean())
-        free = u.size - 2
-        half = math.nan
+        slope, start = np.polyfit(u, v, 1)
+        half, free = math.nan, u.size - 2
         if free:
-            half = float(stdtrit(free, 0.975)) * math.sqrt(float(rest @ rest) / free / spread)
-        found[:, *place] = slope, half, math.exp(v.mean() - slope * u.mean())
+            spread, rest = u.size * np.var(u), np.sum((v - start - slope * u) ** 2)
+            half = stdtrit(free, 0.975) * math.sqrt(rest / free / spread)
+        found[:, *place] = slope, half, math.exp(start)
     return found
 
 
@@ -189,7 +187,7 @@ def _share(result: Result, name: str, variable: xr.Variable) -> Array:
 
 
 def _line(result: Result, name: str, variable: xr.Variable) -> Array:
-    """Limit or slope of the straight line through means along a dimension, by weighted normal equations."""
+    """Limit or slope of the straight line through means along a dimension, by weighted least squares."""
     attrs, dims = variable.attrs, tuple(map(str, variable.dims))
     along, over = str(attrs["along"]), str(attrs["over"])
     each = result.data[str(attrs["of"])]
@@ -205,12 +203,8 @@ def _line(result: Result, name: str, variable: xr.Variable) -> Array:
         error = np.array([math.sqrt(np.sum((g - g.mean()) ** 2) / (g.size - 1) / g.size) for g in groups])
         if int(attrs["common"]):
             error = np.ones(means.size)
-        w = 1 / np.maximum(error, 1e-3 * error.max() + 1e-300)
-        w = w**2 / np.sum(w**2)
-        at = x[place]
-        middle = float(w @ at)
-        slope = float(w @ ((at - middle) * means)) / float(w @ (at - middle) ** 2)
-        found[:, *place] = float(w @ means) - slope * middle, slope
+        weight = 1 / np.maximum(error, 1e-3 * error.max() + 1e-300)
+        found[:, *place] = np.polyfit(x[place], means, 1, w=weight / weight.max())[::-1]
     if str(attrs["reduction"]) == "line slope":
         return np.asarray(found[1])
     reach = ordered(result.data[name.removesuffix("_limit") + "_reach"], dims)
@@ -227,8 +221,7 @@ def _polynomial(result: Result, name: str, variable: xr.Variable) -> Array:
     grids = values.shape[-1]
     degree = min(int(variable.attrs["degree"]), grids - 2) if grids > 2 else 1
     rows = zip(at.reshape(-1, grids), values.reshape(-1, grids), strict=True)
-    intercepts = [np.linalg.lstsq(np.vander(a, degree + 1), y, rcond=None)[0][-1] for a, y in rows]
-    return np.reshape(intercepts, values.shape[:-1])
+    return np.reshape([np.polyfit(a, y, degree)[-1] for a, y in rows], values.shape[:-1])
 
 
 def _mean_distance(result: Result, name: str, variable: xr.Variable) -> Array:

@@ -10,7 +10,7 @@ from statistics import fmean
 from typing import Any, TypeAlias
 
 import numpy as np
-from scipy.special import stdtrit
+from scipy.special import boxcox, erfc, stdtrit
 
 from validation.audit.dataset import Result, Variables
 from validation.audit.ledger import Ledger
@@ -35,8 +35,8 @@ _LOOSE = {
     "scatter": {"rtol": 1e-5},
     **{f"{name}_difference": {"atol": 1e-12} for name in ("pressure", "area_pixel", "area_perimeter")},
 }
-#: Terms of a series whose n-th is exp(-(n pi)^2 v / 2), v not below `_LEAST`.
-_TERMS, _LEAST = 400, 1e-3
+#: Images of a source in two walls: as many as reach beyond six widths of whatever spreads between them.
+_IMAGES = 400
 
 
 def audit_run(result: Result) -> tuple[Ledger, list[Run]]:
@@ -115,8 +115,7 @@ class Run:
         #: Stored solves by method, grid, shift and realisation.
         self.solves: dict[tuple[str, Grid, Pair, int], Stored] = {}
         self.realisations = int(scene.get("ensemble", {}).get("realisations", 1))
-        wave = self.surface.get("lambda_short")
-        self.shortest = None if wave is None else float(wave)
+        self.shortest = float(self.surface.get("lambda_short") or math.nan)
         #: Whether a mean gap or an offset was held in place of a load.
         self.holds_distance = bool({"mean_gap", "offset"} & set(scene["load"]))
         self.kinds = [effect["kind"] for effect in self.effects]
@@ -167,14 +166,14 @@ class Run:
         return None if layers else math.inf
 
     def resolved(self, solve: Stored) -> bool:
-        """Whether lambda_short > 2 dx."""
-        return self.shortest is None or self.shortest > 2 * max(solve.spacing) * (1 + 1e-12)
+        """Whether lambda_short > 2 dx, where there is one."""
+        return not self.shortest <= 2 * max(solve.spacing) * (1 + 1e-12)
 
-    def moments(self, k: int) -> Moments | None:
-        """(m0, m2, m4) of one realisation, from its finest grid that resolves it."""
+    def moments(self, k: int = 0) -> Moments:
+        """(m0, m2, m4) of one realisation, from its finest grid that resolves it; NaN where none tells."""
         solves = [solve for key, solve in self.solves.items() if key[3] == k and self.resolved(solve)]
         if not solves or self.measured:
-            return None
+            return math.nan, math.nan, math.nan
         return max(solves, key=lambda solve: solve.p.size).roughness
 
     @cached_property
@@ -195,7 +194,7 @@ class Run:
                 return float(effect["young"] / (1 - poisson**2))
         return self.modulus
 
-    def pressure(self, k: int = 0) -> float | None:
+    def pressure(self, k: int = 0) -> float:
         """p0 [Pa]: as given, or p* E* h'_rms of that realisation."""
         load = self.scene["load"]
         if "pressure" in load:
@@ -204,9 +203,7 @@ class Run:
             return float(load["force"] / math.prod(self.surface["length"]))
         if self.holds_distance:
             return self.ladder[-1].mean_pressure
-        if (moments := self.moments(k)) is None:
-            return None
-        return float(np.ravel(load["reduced_pressure"])[0]) * self.modulus * math.sqrt(moments[1])
+        return float(np.ravel(load["reduced_pressure"])[0]) * self.modulus * math.sqrt(self.moments(k)[1])
 
     @cached_property
     def ladder(self) -> list[Stored]:
@@ -217,31 +214,25 @@ class Run:
         resolved = [solve for solve in there if self.resolved(solve)] or there
         return sorted(resolved, key=lambda solve: -max(solve.spacing))
 
-    def reduced_pressure(self, k: int = 0) -> float | None:
-        """p* = p0 / (E* h'_rms) of one realisation, E* of the surface."""
-        pressure, moments = self.pressure(k), self.moments(k)
-        if pressure is None or moments is None:
-            return None
-        return pressure / (self.modulus * math.sqrt(moments[1]))
+    def reduced_pressure(self, k: int = 0) -> float:
+        """p* = p0 / (E* h'_rms) of one realisation, E* of the solid."""
+        return self.pressure(k) / (self.modulus * math.sqrt(self.moments(k)[1]))
 
     def shown(self, method: str, grid: Grid) -> list[Stored]:
-        """Solves of the scene's own surface on one grid, all shifts that were asked for."""
-        per_axis = int(self.options[method].get("shifts", 1))
-        steps = [i / per_axis for i in range(per_axis)]
-        keys = [(method, grid, shift, 0) for shift in itertools.product(steps, steps)]
-        return [self.solves[key] for key in keys if key in self.solves]
+        """Solves of the scene's own surface on one grid, of all shifts."""
+        return [solve for (*on, _, k), solve in self.solves.items() if (*on, k) == (method, grid, 0)]
 
-    def residuals(self, solve: Stored, pressure: float | None) -> dict[str, float] | None:
+    def residuals(self, solve: Stored, pressure: float) -> dict[str, float] | None:
         """Return those of one solve; None under an attraction whose law is not read here."""
         if not self.adhesive:
             return solve.residuals
-        return None if pressure is None else solve.adhesive_residuals(pressure)
+        return None if math.isnan(pressure) else solve.adhesive_residuals(pressure)
 
     def residual(self, solve: Stored) -> float:
         """Return the largest of the four residuals, of the load, too; NaN where they are not read."""
         pressure = self.pressure()
         residuals = self.residuals(solve, pressure) or {"": math.nan}
-        if self.adhesive or pressure is None or self.holds_distance:
+        if self.adhesive or self.holds_distance or math.isnan(pressure):
             return max(residuals.values())
         return max(*residuals.values(), abs(solve.mean_pressure - pressure) / pressure)
 
@@ -251,13 +242,11 @@ class Run:
         Over other grids than those of the comparison it is that of solves without a shift. Where these grids
         tell none it is the area on the finest, whose error is NaN; of too few points on several, NaN, too.
         """
-        compared = set(map(tuple, self.options[method]["grids"]))
+        compared = grids or set(map(tuple, self.options[method]["grids"]))
         solves = [
             solve
             for (name, grid, shift, realisation), solve in self.solves.items()
-            if (name, realisation) == (method, k)
-            and grid in (grids or compared)
-            and (shift == (0.0, 0.0) or (not grids and solve in self.shown(name, grid)))
+            if (name, realisation) == (method, k) and grid in compared and (not grids or shift == (0.0, 0.0))
         ]
         solves = (not grids and list(filter(self.resolved, solves))) or solves
         limit, spacings = limit_over(solves), {solve.spacing for solve in solves}
@@ -268,10 +257,9 @@ class Run:
             return math.nan, math.nan
         return fmean(s.subcell if s.located else s.perimeter for s in finest), math.nan
 
-    def theory(self, m2: float | None, pressure: float | None) -> Pair:
+    def theory(self, m2: float, pressure: float) -> Pair:
         """A/A0 and A_pl/A0 with V = E*^2 m2 / 4, elastic or with one hardness; NaN with other effects."""
-        known = (not self.kinds or self.hardness is not None) and "theory" in self.options
-        if not known or m2 is None or pressure is None:
+        if "theory" not in self.options or (self.kinds and self.hardness is None):
             return math.nan, math.nan
         variance = 0.25 * self.modulus**2 * m2
         if self.hardness is not None:
@@ -281,30 +269,20 @@ class Run:
 
     def own_theory(self, k: int = 0) -> Pair:
         """A/A0 and A_pl/A0 of one realisation."""
-        moments = self.moments(k)
-        return self.theory(None if moments is None else moments[1], self.pressure(k))
+        return self.theory(self.moments(k)[1], self.pressure(k))
 
     @cached_property
-    def spectral_moments(self) -> Pair | None:
-        """(m0, m2): integrals over C(q) ~ q^(-2 - 2 H) between the cut-offs of a sharp spectrum."""
+    def spectral_moments(self) -> Pair:
+        """(m0, m2): integrals over C(q) ~ q^(-2 - 2 H) between the cut-offs of a sharp spectrum, else NaN."""
         s = self.surface
         if s["kind"] != "self-affine" or s.get("rolloff", "sharp") != "sharp":
-            return None
-        low, high = 2 * math.pi / s["lambda_long"], 2 * math.pi / s["lambda_short"]
-
-        def integral(power: float) -> float:
-            """Of q^power between the cut-offs."""
-            if abs(power + 1) < 1e-12:
-                return math.log(high / low)
-            return float((high ** (power + 1) - low ** (power + 1)) / (power + 1))
-
+            return math.nan, math.nan
+        low, ratio = 2 * math.pi / s["lambda_long"], s["lambda_long"] / s["lambda_short"]
+        # Of x^(n - 1) from 1 to the ratio: (ratio^n - 1) / n, and its logarithm where n = 0.
+        height, slope = (float(boxcox(ratio, n)) for n in (-2 * s["hurst"], 2 - 2 * s["hurst"]))
         # A stretch by g leaves m0, and of m2 the part (1 + 1/g^2)/2.
-        slopes = (1 + s.get("stretch", 1.0) ** -2) / 2
-        per_height = slopes * integral(1 - 2 * s["hurst"]) / integral(-1 - 2 * s["hurst"])
-        if "rms_gradient" in s:
-            m2 = s["rms_gradient"] ** 2
-            return m2 / per_height, m2
-        m0 = s["rms_height"] ** 2
+        per_height = (1 + s.get("stretch", 1.0) ** -2) / 2 * low**2 * slope / height
+        m0 = s["rms_height"] ** 2 if "rms_height" in s else s["rms_gradient"] ** 2 / per_height
         return m0, m0 * per_height
 
 
@@ -346,26 +324,28 @@ def _judge(
     return judged
 
 
+def _known(value: float) -> float | None:
+    return None if math.isnan(value) else value
+
+
 def _of_surface(run: Run) -> Expected:
     if run.measured:
         return
-    numbers: dict[str, float | None] = {
+    m0, m2, m4 = run.moments()
+    height, gradient = map(math.sqrt, run.spectral_moments)
+    numbers = {
         "nominal_area": math.prod(run.surface["length"]),
         "wave_short": run.shortest,
         "contact_modulus": run.modulus,
         "surface_modulus": run.surface_modulus,
         "pressure": run.pressure(),
+        "rms_height": math.sqrt(m0),
+        "rms_gradient": math.sqrt(m2),
+        "nayak": 1.5 * m0 * m4 / m2**2,
+        "rms_height_spectrum": height,
+        "rms_gradient_spectrum": gradient,
     }
-    numbers |= dict.fromkeys(("rms_height", "rms_gradient", "nayak"))
-    if (moments := run.moments(0)) is not None:  # of a grid that resolves the surface
-        m0, m2, m4 = moments
-        numbers |= {"rms_height": math.sqrt(m0), "rms_gradient": math.sqrt(m2)}
-        numbers["nayak"] = 1.5 * m0 * m4 / m2**2
-    if (spectral := run.spectral_moments) is not None:
-        numbers |= {
-            f"rms_{of}_spectrum": math.sqrt(m) for of, m in zip(("height", "gradient"), spectral, strict=True)
-        }
-    yield from ((name, value, {}) for name, value in numbers.items())
+    yield from ((name, _known(value), {}) for name, value in numbers.items())
 
 
 def _of_solves(run: Run) -> Expected:
@@ -375,27 +355,21 @@ def _of_solves(run: Run) -> Expected:
         solves, at = run.shown(method, grid), {"solver": method, "grid": f"{grid[0]} x {grid[1]}"}
         if not solves:
             raise LookupError(f"no stored solve of {method} on {grid[0]} x {grid[1]}")
-        means = {"density_at_zero": "density_at_zero"}
-        if "hardness" in run.kinds:
-            means["area_plastic_pixel"] = "plastic"
-        row: dict[str, float | None]
-        row = {name: fmean(getattr(s, of) for s in solves) for name, of in means.items()}
-        row["density_at_zero"] *= run.modulus / run.surface_modulus
-        row |= {"density_at_zero": math.nan} if run.adhesive else {}
-        row |= {
+        row: dict[str, float | None] = {
+            "density_at_zero": math.nan if run.adhesive else fmean(s.density_at_zero for s in solves),
             "shifts": len(solves),
             "resolved": float(run.resolved(solves[0])),
             "seconds": math.fsum(solve.cost["wall_seconds"] for solve in solves),
             "unknowns": solves[0].cost["unknowns"],
         }
+        if "hardness" in run.kinds:
+            row["area_plastic_pixel"] = fmean(solve.plastic for solve in solves)
         if not run.measured:
-            load, residual = run.reduced_pressure() or math.nan, max(run.residual(solve) for solve in solves)
+            load, residual = run.reduced_pressure(), max(run.residual(solve) for solve in solves)
             if run.holds_distance:
-                carried = fmean(solve.mean_pressure for solve in solves)
-                load *= carried / (run.pressure() or math.nan)
-            kappa = fmean(s.perimeter for s in solves) / load
-            row["kappa_perimeter"] = None if math.isnan(load) else kappa
-            row["points_per_wave"] = (run.shortest or math.nan) / max(solves[0].spacing)
+                load *= fmean(solve.mean_pressure for solve in solves) / run.pressure()
+            row["kappa_perimeter"] = _known(fmean(s.perimeter for s in solves) / load)
+            row["points_per_wave"] = run.shortest / max(solves[0].spacing)
             row |= {} if math.isnan(residual) else {"residual": residual}
         first, key = run.methods[0], (grid, (0.0, 0.0), 0)
         if method != first and (first, *key) in run.solves and list(grid) in run.options[first]["grids"]:
@@ -443,10 +417,8 @@ def _of_finest(run: Run) -> Expected:
 
 
 def _of_theory(run: Run) -> Expected:
-    (area, plastic), spectral = run.own_theory(), run.spectral_moments
-    ensemble = math.nan
-    if not math.isnan(area) and spectral is not None:
-        ensemble = run.theory(spectral[1], run.pressure())[0]
+    area, plastic = run.own_theory()
+    ensemble = run.theory(run.spectral_moments[1], run.pressure())[0]
     known = {"area_persson_own": area, "area_ensemble": ensemble, "area_plastic_persson": plastic}
     yield from ((name, value, {}) for name, value in known.items() if not math.isnan(value))
 
@@ -460,15 +432,14 @@ def _of_ensemble(run: Run) -> Expected:
     areas = [run.limit("bem", k, grids)[0] for k in range(count)]
     for k, area in enumerate(areas):
         yield "area_each", area, {"surface": k}
-        moments = run.moments(k)
-        if moments is None or run.holds_distance:
-            continue
-        numbers = {
-            "rms_gradient_each": math.sqrt(moments[1]),
-            "reduced_pressure_each": run.reduced_pressure(k) or math.nan,
-            "area_persson_each": run.own_theory(k)[0],
-        }
-        yield from ((name, value, {"surface": k}) for name, value in numbers.items() if not math.isnan(value))
+        if not run.holds_distance:
+            numbers = {
+                "rms_gradient_each": math.sqrt(run.moments(k)[1]),
+                "reduced_pressure_each": run.reduced_pressure(k),
+                "area_persson_each": run.own_theory(k)[0],
+            }
+            known = {name: value for name, value in numbers.items() if not math.isnan(value)}
+            yield from ((name, value, {"surface": k}) for name, value in known.items())
     mean = fmean(areas)
     yield "scatter", math.sqrt(math.fsum((a - mean) ** 2 for a in areas) / (count - 1)) / mean, {}
 
@@ -476,13 +447,10 @@ def _of_ensemble(run: Run) -> Expected:
 def yielded_areas(pressure: float, *, variance: float, hardness: float) -> Pair:
     """A_pl/A0 and A_el/A0 of Persson's theory for one hardness: diffusion between walls at 0 and H.
 
-    Eigenfunctions sin(n pi sigma / H) decay like exp(-(n pi)^2 V / 2 H^2); where V is so small that they do
-    not decay, images of the two nearest walls are all there is.
+    What has passed a wall is that of the source and all its images in both, of either sign.
     """
-    x, v = pressure / hardness, variance / hardness**2
-    if v < _LEAST:
-        near, far = x / math.sqrt(2 * v), (1 - x) / math.sqrt(2 * v)
-        return math.erfc(far), 1 - math.erfc(near) - math.erfc(far)
-    n = np.arange(1, _TERMS) * math.pi
-    waves = np.sin(n * x) * np.exp(-(n**2) * v / 2) / n
-    return x - 2 * float(np.sum(waves[::2]) - np.sum(waves[1::2])), 4 * float(np.sum(waves[::2]))
+    x, width = pressure / hardness, math.sqrt(2 * variance) / hardness
+    walls = 2 * np.arange(_IMAGES)
+    detached = float(np.sum(erfc((walls + x) / width) - erfc((walls + 2 - x) / width)))
+    yielded = float(np.sum(erfc((walls + 1 - x) / width) - erfc((walls + 1 + x) / width)))
+    return yielded, 1 - yielded - detached

@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-import hashlib
 import json
 import math
 from functools import cached_property
-from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.polynomial.polynomial import polyval2d
 from numpy.typing import NDArray
+from scipy.ndimage import gaussian_filter
 
-from validation.files import read_whole
 from validation.netcdf import read_dataset
 
 Array = NDArray[Any]
@@ -73,18 +72,6 @@ def moments(heights: Array, lengths: Pair) -> Moments:
 
 #: Mean of cos 8 theta that contours of rough contacts have, too.
 _ROUGH = 0.4
-#: No file that a result consists of is larger.
-LARGEST = 2**31
-
-
-def sealed_bytes(path: Path) -> bytes:
-    """Return the bytes of a stored solve, whose last line has the digest of those before it."""
-    content = read_whole(path, most=LARGEST)
-    body, foot = memoryview(content)[:-72], content[-72:]
-    if foot != b"sha256 %s\n" % hashlib.sha256(body).hexdigest().encode():
-        # No ValueError, after which a number would count as one that cannot be judged.
-        raise OSError(f"{path.name} is not what was written (SHA-256)")
-    return content
 
 
 class Stored:
@@ -98,7 +85,10 @@ class Stored:
         self.cost: dict[str, float] = json.loads(attrs["cost"])
         self.stored_residuals: dict[str, float] = json.loads(attrs["residuals"])
         self.attrs = attrs
-        self.lengths = (float(attrs["lengths"][0]), float(attrs["lengths"][1]))
+        self.effects: dict[str, dict[str, Any]] = {
+            effect["kind"]: effect for effect in self.recipe["effects"]
+        }
+        self.lengths: Pair = tuple(map(float, attrs["lengths"]))
         self.modulus = float(attrs["contact_modulus"])
         self.p, self.gap = fields["pressure"], fields["gap"]
         self.u, self.h = fields["displacement"], fields["heights"]
@@ -112,7 +102,11 @@ class Stored:
         self.grid: Grid = (self.p.shape[0], self.p.shape[1])
         self.cells = int(self.p.size)
         self.spacing = (self.lengths[0] / self.grid[0], self.lengths[1] / self.grid[1])
-        self.shift = (float(self.recipe["shift"][0]), float(self.recipe["shift"][1]))
+        self.shift: Pair = tuple(map(float, self.recipe["shift"]))
+
+    def mean(self, values: Array) -> float:
+        """Mean over the nominal area, of points by their weight."""
+        return float(np.sum(self.weights * values) / self.p.size)
 
     @cached_property
     def moments(self) -> Moments:
@@ -122,8 +116,7 @@ class Stored:
     @cached_property
     def roughness(self) -> Moments:
         """(m0, m2, m4) of the heights without the ball they lie on."""
-        effects = {effect["kind"]: effect for effect in self.recipe["effects"]}
-        radius = effects.get("free-boundary", {}).get("radius")
+        radius = self.effects.get("free-boundary", {}).get("radius")
         if not radius:
             return self.moments
         x, y = ((np.arange(n) - n / 2) * d for n, d in zip(self.grid, self.spacing, strict=True))
@@ -132,7 +125,7 @@ class Stored:
     @cached_property
     def pixel(self) -> float:
         """Contact points by weight over all."""
-        return float(np.sum(self.weights[self.contact]) / self.p.size)
+        return self.mean(self.contact)
 
     @cached_property
     def edges(self) -> float:
@@ -151,12 +144,12 @@ class Stored:
     def located(self) -> bool:
         """Whether its area is the one whose edge is located inside square cells of an elastic half-space."""
         square = abs(self.spacing[0] / self.spacing[1] - 1) <= 0.05
-        return square and self.method in _LOCATING and not self.recipe.get("effects")
+        return square and self.method in _LOCATING and not self.effects
 
     @cached_property
     def plastic(self) -> float:
         """Points at the pressure bound by weight."""
-        return float(np.sum(self.weights[self.bound]) / self.p.size)
+        return self.mean(self.bound)
 
     @cached_property
     def density_at_zero(self) -> float:
@@ -169,8 +162,7 @@ class Stored:
         eps = 0.2 * stress * math.sqrt(step / (2 * math.pi * math.sqrt(m2 / m4)))
         if np.any(self.bound & (self.p < eps)):
             return math.nan
-        share = float(np.sum(self.weights[self.contact & (self.p < eps)])) / self.p.size
-        return share / eps * stress
+        return self.mean(self.contact & (self.p < eps)) / eps * stress
 
     def adhesive_residuals(self, pressure: float) -> dict[str, float] | None:
         """Return the four residuals under attraction at a load [Pa]; None where its law is not read here.
@@ -178,19 +170,17 @@ class Stored:
         The wall alone must push, p + attraction(g) >= 0, and only where the gap is closed; what has yielded
         carries H.
         """
-        effects = {effect["kind"]: effect for effect in self.recipe["effects"]}
-        adhesion = effects["adhesion"]
+        adhesion = self.effects["adhesion"]
         if adhesion.get("law", "exponential") != "exponential":
             return None
         strength = adhesion["work"] / adhesion["reach"]
-        wall = self.p + strength * np.exp(-np.maximum(self.gap, 0.0) / adhesion["reach"])
-        off, yielded = wall, self.gap < 0
-        if "hardness" in effects:
-            off = np.where(yielded, self.p - effects["hardness"]["hardness"], wall)
+        off = wall = self.p + strength * np.exp(-np.maximum(self.gap, 0.0) / adhesion["reach"])
+        if "hardness" in self.effects:
+            off = np.where(self.gap < 0, self.p - self.effects["hardness"]["hardness"], wall)
         height = math.sqrt(self.moments[0])
         stress = max(strength, math.sqrt(float(np.mean(self.p**2))))
         return {
-            "penetration": max(0.0, -float(np.min(np.where(yielded, 0.0, self.gap)))) / height,
+            "penetration": 0.0,  # what overlaps has yielded
             "tension": max(0.0, -float(wall.min())) / (self.modulus * math.sqrt(self.moments[1])),
             "complementarity": float(np.mean(np.abs(off * self.gap))) / (stress * height),
             "load": abs(self.mean_pressure - pressure) / stress,
@@ -210,21 +200,21 @@ class Stored:
     @cached_property
     def mean_pressure(self) -> float:
         """Force over nominal area [Pa]."""
-        return float(np.sum(self.weights * self.p) / self.p.size)
+        return self.mean(self.p)
 
     @cached_property
     def _edge_directions(self) -> list[tuple[int, int, Array, Array]]:
         """(axis, sign, contact cells, cosine) of the edges on each side, by the smoothed map."""
         inside, d = self.contact, self.spacing
-        smooth = _smoothed(inside.astype(float))
+        smooth = gaussian_filter(inside.astype(float), 1.5, mode="wrap", truncate=4.0)
         slope = [(np.roll(smooth, 1, k) - np.roll(smooth, -1, k)) / d[k] for k in (0, 1)]
         found = []
         for axis, sign in ((0, 1), (0, -1), (1, 1), (1, -1)):
             edge = inside & ~np.roll(inside, -sign, axis)
             normal = [(s + np.roll(s, -sign, axis))[edge] for s in slope]
-            length = np.sqrt(normal[0] ** 2 + normal[1] ** 2)
-            length[length == 0] = 1.0
-            found.append((axis, sign, edge, np.clip(sign * normal[axis] / length, 0.05, 1.0)))
+            length = np.hypot(*normal)
+            cosine = sign * normal[axis] / np.where(length == 0, 1.0, length)
+            found.append((axis, sign, edge, np.clip(cosine, 0.05, 1.0)))
         return found
 
     @cached_property
@@ -243,12 +233,11 @@ class Stored:
                 rho = self.modulus * gap / (self.p[edge] * self.spacing[axis] * cosine)
             rho = np.where(self.p[edge] > 0, rho, np.inf)
             v = 1 / (1 + np.cbrt(rho) ** 2)
-            place = np.clip(np.polynomial.polynomial.polyval2d(v, cosine**2, EDGE_MAP), -0.6, 1.2)
+            place = np.clip(polyval2d(v, cosine**2, EDGE_MAP), -0.6, 1.2)
             within = _bounded_power(self.p[edge], np.roll(self.p, sign, axis)[edge], 2)
             without = _bounded_power(gap, np.roll(self.gap, -2 * sign, axis)[edge], 2 / 3)
             for (a, b), rows in EDGE_BEND.items():
-                part = np.polynomial.polynomial.polyval2d(v, cosine**2, np.array(rows))
-                place = place + part * within**a * without**b
+                place = place + polyval2d(v, cosine**2, np.array(rows)) * within**a * without**b
             moved += float(np.sum((place - 0.5) * cosine**2))
         return float((np.sum(self.contact) + moved) / self.contact.size)
 
@@ -270,10 +259,10 @@ class Stored:
         """Power of the heights, wavevectors along x and y, and which of them have less than four points."""
         window = np.outer(*map(np.hanning, self.grid)) if self.free else 1.0
         power = np.abs(np.fft.fft2((self.h - np.mean(self.h)) * window)) ** 2
-        x, y = (np.fft.fftfreq(n) for n in self.grid)
-        beyond = np.sqrt((4 * x[:, None]) ** 2 + (4 * y[None, :]) ** 2) > 1 + 1e-9
+        each = (2 * np.pi * np.fft.fftfreq(n, dx) for n, dx in zip(self.grid, self.spacing, strict=True))
+        x, y = np.meshgrid(*each, indexing="ij")
         dx, dy = self.spacing
-        return power, 2 * np.pi * x[:, None] / dx + 0 * y, 2 * np.pi * y / dy + 0 * x[:, None], beyond
+        return power, x, y, np.hypot(x * dx, y * dy) > np.pi / 2 * (1 + 1e-9)
 
     @cached_property
     def anisotropy(self) -> float:
@@ -305,14 +294,3 @@ def _bounded_power(one: Array, other: Array, power: float) -> Array:
     with np.errstate(divide="ignore", invalid="ignore"):
         ratio = np.where(other > 0, np.maximum(one, 0.0) / other, np.inf)
     return np.minimum(ratio**power, 1.5)
-
-
-def _smoothed(values: Array) -> Array:
-    """Average with a Gaussian of standard deviation 1.5 cells, cut at four of them, on a periodic grid."""
-    taps = np.arange(-6, 7)
-    weights = np.exp(-0.5 * (taps / 1.5) ** 2)
-    weights /= weights.sum()
-    for axis in (0, 1):
-        moved = [w * np.roll(values, int(k), axis) for k, w in zip(taps, weights, strict=True)]
-        values = np.sum(moved, axis=0)
-    return values

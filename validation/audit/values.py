@@ -34,13 +34,8 @@ def value_ledger(result: Result) -> Ledger:
 
 def judge_shown(result: Result, ledger: Ledger) -> None:
     """Judge all that shows the dataset: findings, numbers, tables, CSV files, data of figures, page."""
-    judge_findings(result, ledger)
-    judge_numbers(result, ledger)
-    judge_tables(result, ledger)
-    judge_budget(result, ledger)
-    for name, lines in result.tables.items():
-        if name.startswith("data"):
-            _spread_out(result, name, lines, ledger)
+    for judge in (judge_findings, judge_numbers, judge_tables, judge_budget):
+        judge(result, ledger)
     for file, data in result.figures.items():  # variables of the dataset
         for name, variable in data.items():
             place, whole = f"figures/{file}", result.data.get(name)
@@ -155,7 +150,9 @@ def judge_tables(result: Result, ledger: Ledger) -> None:
             _judge_listing(result, name, known["names"], lines, ledger)
         elif known:
             _judge_table(result, name, known, lines, ledger)
-        elif file != "budget" and not file.startswith("data"):
+        elif file.startswith("data"):
+            _spread_out(result, name, lines, ledger)
+        elif file != "budget":
             ledger.unread.append(f"{name}: what its columns are of")
 
 
@@ -163,17 +160,18 @@ def _judge_listing(result: Result, file: str, names: list[str], lines: Lines, le
     """Judge a table with a row for each number that there is, each in a unit of its own."""
     header, *lines = lines
     value, unit = header.index("value"), header.index("unit")
-    there = [name for name in names if name in result.data and result.data[name].ndim == 0]
-    numbers = {name: result.data[name].values.item() for name in there}
-    known = {name: n for name, n in numbers.items() if n != "" and n == n}  # neither empty nor NaN
-    rows = []
-    for (name, number), line in zip(known.items(), lines, strict=False):
-        plain = str(result.data[name].attrs.get("units", "1"))
-        factor = (_factor(plain, line[unit]) if line[unit] else 1.0) or math.nan
-        row = {value: number if isinstance(number, str) else factor * number}
+    single = {name: result.data[name] for name in names if name in result.data and not result.data[name].dims}
+    # Neither empty nor NaN.
+    known = {name: one for name, one in single.items() if one.item() != "" and one.item() == one.item()}
+    rows: list[dict[int, Any]] = []
+    for (name, variable), line in zip(known.items(), lines, strict=False):
+        number = variable.item()
+        factor = (
+            _factor(str(variable.attrs.get("units", "1")), line[unit]) if line[unit] else 1.0
+        ) or math.nan
+        rows.append({value: number if isinstance(number, str) else factor * number})
         if header[value + 1].endswith(_INTERVAL):
-            row[value + 1] = factor * as_number(_total(result.data, name, {}))
-        rows.append(row)
+            rows[-1][value + 1] = factor * as_number(_total(result.data, name, {}))
     _judge_lines(file, header, lines, rows, ledger)
 
 
@@ -185,7 +183,7 @@ def _judge_table(result: Result, file: str, shown: Mapping[str, Any], lines: Lin
     places = [k for k in range(len(header)) if k not in intervals]
     ledger.same(file, "number of columns", len(places), len(shown["columns"]))
     dims, rows = list(shown["rows"]), []
-    sizes = {dim: n for v in data.values() for dim, n in zip(v.dims, v.values.shape, strict=True)}
+    sizes = {dim: n for v in data.values() for dim, n in v.sizes.items()}
     for place in np.ndindex(*(sizes[dim] for dim in dims)):
         row: dict[int, Any] = {}
         known = False
@@ -196,10 +194,8 @@ def _judge_table(result: Result, file: str, shown: Mapping[str, Any], lines: Lin
             if k + 1 in intervals:  # a column has none where no value of it has an interval
                 row[k + 1] = _total(data, name, at)
             whole = not shown.get("sparse") or set(data[name].dims) >= set(dims)
-            inside = isinstance(row[k], str) or not math.isnan(row[k])
-            known = known or (inside and whole and name not in shown["coordinates"])
-        if known:
-            rows.append(row)
+            known |= row[k] == row[k] and whole and name not in shown["coordinates"]
+        rows += [row] if known else []
     _judge_lines(file, header, lines, rows, ledger)
 
 
@@ -219,11 +215,11 @@ def judge_budget(result: Result, ledger: Ledger) -> None:
     header, *lines = result.tables.get("budget.csv") or [[]]
     if not lines:
         return
-    rows = []
+    rows: list[dict[str, Any]] = []
     for name in result.summary.get("budget", ()):
-        values, error = result.data[name].values, result.data[f"{name}_error"]
+        values, error = result.data[name], result.data[f"{name}_error"]
         for place in np.ndindex(values.shape):
-            at, value = dict(zip(result.data[name].dims, place, strict=True)), float(values[place])
+            at, value = dict(zip(values.dims, place, strict=True)), float(values.values[place])
             halves = error.isel(at, missing_dims="ignore").values.ravel().astype(float).tolist()
             # Of zero only no error is a part.
             shares = [100 * abs(half / value) if value else 0.0 if half == 0 else math.nan for half in halves]
