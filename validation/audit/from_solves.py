@@ -117,7 +117,7 @@ def drift(result: Result, name: str, variable: xr.Variable) -> Array | None:
 
 def second_order_step(solve: xr.Dataset, variable: xr.Variable) -> tuple[Array, Array]:
     """Values on the finest grid, means over the shifts, and the step to the limit, by the two finest."""
-    values = ordered(solve.variables[str(variable.attrs["of"])], ("grid", "shift", "load")).mean(axis=1)
+    values = ordered(solve.variables[variable.attrs["of"]], ("grid", "shift", "load")).mean(axis=1)
     coarse, fine = values[-2:] / solve.attrs.get(variable.attrs.get("scale"), 1.0)
     points = solve["points_per_wave"].values
     return fine, (fine - coarse) / (float(points[-1] / points[-2]) ** 2 - 1)
@@ -125,7 +125,7 @@ def second_order_step(solve: xr.Dataset, variable: xr.Variable) -> tuple[Array, 
 
 def read(result: Result, name: str, variable: xr.Variable) -> Array | None:
     """Read off what a solve keeps, by the expression that says it."""
-    tree = ast.parse(str(variable.attrs["expression"]), mode="eval")
+    tree = ast.parse(variable.attrs["expression"], mode="eval")
 
     def read(solve: xr.Dataset) -> Any:
         numbers = {n: v.astype(float) for n, v in solve.variables.items() if v.dtype.kind in "fib"}

@@ -107,7 +107,7 @@ def _best(grids: Sequence[Sequence[Areas]], *, located: bool) -> Pair:
     rest = area - value
     # What one grid is told by the law alone is a tenth wider.
     misfit = float(rest @ np.linalg.solve(spread, rest)) / (area.size - 1) if area.size > 1 else 1.1**2
-    error = math.sqrt(max(1.0, misfit) / float(weight.sum()))
+    error = math.sqrt(max(1.0, misfit) / weight.sum())
     if unresolved <= _SMOOTH:
         return value, error
     kinked = min((unresolved - _SMOOTH) / (_KINKED - _SMOOTH), 1.0)

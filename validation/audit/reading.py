@@ -43,12 +43,12 @@ def audit(folder: Path) -> Ledger:
 def judge_fields(k: int, solve: Stored, run: Run, ledger: Ledger) -> None:
     """Judge one solve: what was pressed is what was asked for, and the fields obey their definitions."""
     place = f"{solve.method} {solve.grid[0]}x{solve.grid[1]} {solve.shift}, surface {k}"
-    height = float(np.ptp(solve.h)) or float(np.ptp(solve.u)) or 1.0
+    height = np.ptp(solve.h) or np.ptp(solve.u) or 1.0
     ledger.number(place, "E* [Pa]", solve.modulus, run.surface_modulus)
     pressure = run.pressure(k)
     if not (math.isnan(pressure) or run.holds_distance):
         ledger.number(place, "mean pressure [Pa]", solve.mean_pressure, pressure, rtol=1e-6)
-    misfit = float(np.max(np.abs(solve.gap - (solve.u - solve.h + float(solve.attrs["offset"])))))
+    misfit = np.max(np.abs(solve.gap - (solve.u - solve.h + float(solve.attrs["offset"]))))
     ledger.number(place, "gap less u - h + offset, over the height", misfit / height, 0.0, atol=1e-9)
     ledger.same(place, "status", solve.attrs["status"], "CONVERGED")
     residuals = run.residuals(solve, pressure)
@@ -74,7 +74,7 @@ def _elastic_misfit(solve: Stored, depth: float, *, poisson: float) -> float:
         d, k = np.minimum(q * depth, 300.0), 3 - 4 * poisson
         share = (2 * k * np.sinh(2 * d) - 4 * d) / (2 * k * np.cosh(2 * d) + 4 * d**2 + 1 + k**2)
     exact = np.fft.ifft2(2 * share * np.fft.fft2(solve.p) / (solve.modulus * q)).real
-    size = float(np.max(np.abs(exact)))
+    size = np.max(np.abs(exact))
     return float(np.max(np.abs(solve.u - solve.u.mean() - exact))) / (size or 1.0)
 
 
@@ -93,7 +93,7 @@ def judge_surfaces(run: Run, ledger: Ledger) -> None:
         if shift != (0.0, 0.0) and still is not None:
             x, y = (np.exp(2j * np.pi * np.fft.fftfreq(n) * s) for n, s in zip(grid, shift, strict=True))
             moved = np.fft.ifft2(np.fft.fft2(still.h) * x[:, None] * y[None, :]).real
-            misfit = float(np.max(np.abs(solve.h - moved))) / (float(np.ptp(solve.h)) or 1.0)
+            misfit = np.max(np.abs(solve.h - moved)) / (np.ptp(solve.h) or 1.0)
             ledger.number(place, "heights against those moved by the shift", misfit, 0.0, atol=1e-8)
     alike: dict[str, list[bytes]] = {}
     for (method, grid, shift, _), solve in run.solves.items():

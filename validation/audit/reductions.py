@@ -63,8 +63,8 @@ def errors_of(result: Result, name: str) -> dict[str, Array]:
 
 def _samples(result: Result, variable: xr.Variable) -> tuple[Array, Array]:
     """Return the single values, surfaces last, and which of them were solved."""
-    each = result.data[str(variable.attrs["of"])]
-    dims = (*variable.dims, str(variable.attrs["over"]))
+    each = result.data[variable.attrs["of"]]
+    dims = (*variable.dims, variable.attrs["over"])
     return ordered(each, dims).astype(float), _there(result, each, dims)
 
 
@@ -105,7 +105,7 @@ def _mean_errors(result: Result, variable: xr.Variable) -> dict[str, Array]:
     with np.errstate(invalid="ignore", divide="ignore"):
         half = stdtrit(np.maximum(n - 1, 1), 0.975) * np.sqrt(squares / (n - 1) / n)
     found = {"surfaces": np.where(n > 1, half, np.nan)}
-    of, dims = str(variable.attrs["of"]), (*variable.dims, str(variable.attrs["over"]))
+    of, dims = variable.attrs["of"], (*variable.dims, variable.attrs["over"])
     error, drift = (result.data.get(f"{of}_{what}") for what in ("error", "drift"))
     if error is drift is None:
         return found
@@ -122,8 +122,8 @@ def _mean_errors(result: Result, variable: xr.Variable) -> dict[str, Array]:
 
 
 def _change(result: Result, name: str, variable: xr.Variable) -> xr.Variable:
-    attrs, along = variable.attrs, str(variable.attrs["along"])
-    each = result.data[str(attrs["of"])]
+    attrs, along = variable.attrs, variable.attrs["along"]
+    each = result.data[attrs["of"]]
     first, last = (int(attrs[k]) % each.sizes[along] for k in ("first", "last"))
     change: xr.Variable = each.isel({along: last}) / each.isel({along: first}) - 1
     return change if first != last else change * np.nan
@@ -140,7 +140,7 @@ def _evaluated(expression: str, values: Variables) -> xr.Variable:
 
 def _expression_errors(result: Result, variable: xr.Variable) -> dict[str, Array]:
     """Carry errors along to first order, source by source."""
-    expression, values, found = str(variable.attrs["expression"]), result.data, {}
+    expression, values, found = variable.attrs["expression"], result.data, {}
     names = {node.id for node in ast.walk(ast.parse(expression)) if isinstance(node, ast.Name)}
     moved = [n for n in sorted(names) if f"{n}_error" in values]
     for k, source in enumerate(SOURCES if moved else ()):
@@ -159,7 +159,7 @@ def _expression_errors(result: Result, variable: xr.Variable) -> dict[str, Array
 def _power(result: Result, variable: xr.Variable) -> Array:
     """Exponent, half of its 95 % interval and factor of a power, by least squares."""
     attrs = variable.attrs
-    of, x = result.data[str(attrs["of"])], result.data[str(attrs["x"])]
+    of, x = result.data[attrs["of"]], result.data[attrs["x"]]
     dims = (*variable.dims, *str(attrs["along"]).split())
     y = ordered(of, dims).astype(float)
     at = np.broadcast_to(ordered(x, dims).astype(float), y.shape)
@@ -181,7 +181,7 @@ def _power(result: Result, variable: xr.Variable) -> Array:
 
 def _share(result: Result, name: str, variable: xr.Variable) -> Array:
     """Share of what lies within its claim and the error of what it is compared with."""
-    of, within = (result.data[str(variable.attrs[key])].values for key in ("of", "within"))
+    of, within = (result.data[variable.attrs[key]].values for key in ("of", "within"))
     reference = result.data["reference_each_error"].isel(source=SOURCES.index("grid")).values
     return np.asarray(np.mean(np.abs(of) <= np.hypot(within, reference)))
 
@@ -189,10 +189,10 @@ def _share(result: Result, name: str, variable: xr.Variable) -> Array:
 def _line(result: Result, name: str, variable: xr.Variable) -> Array:
     """Limit or slope of the straight line through means along a dimension, by weighted least squares."""
     attrs, dims = variable.attrs, tuple(map(str, variable.dims))
-    along, over = str(attrs["along"]), str(attrs["over"])
-    each = result.data[str(attrs["of"])]
+    along, over = attrs["along"], attrs["over"]
+    each = result.data[attrs["of"]]
     values = ordered(each, (*dims, along, over))
-    x = np.broadcast_to(ordered(result.data[str(attrs["x"])], (*dims, along)), values.shape[:-1])
+    x = np.broadcast_to(ordered(result.data[attrs["x"]], (*dims, along)), values.shape[:-1])
     there = _there(result, each, (*dims, along, over))
     found = np.full((2, *values.shape[:-2]), np.nan)
     for place in np.ndindex(values.shape[:-2]):
@@ -205,7 +205,7 @@ def _line(result: Result, name: str, variable: xr.Variable) -> Array:
             error = np.ones(means.size)
         weight = 1 / np.maximum(error, 1e-3 * error.max() + 1e-300)
         found[:, *place] = np.polyfit(x[place], means, 1, w=weight / weight.max())[::-1]
-    if str(attrs["reduction"]) == "line slope":
+    if attrs["reduction"] == "line slope":
         return np.asarray(found[1])
     reach = ordered(result.data[name.removesuffix("_limit") + "_reach"], dims)
     # Further off than two spans of what was measured a limit is none.
@@ -214,7 +214,7 @@ def _line(result: Result, name: str, variable: xr.Variable) -> Array:
 
 def _polynomial(result: Result, name: str, variable: xr.Variable) -> Array:
     """Value at a vanishing spacing by a polynomial in a power of it, over the grids."""
-    each, dims = result.data[str(variable.attrs["of"])], (*variable.dims, "grid")
+    each, dims = result.data[variable.attrs["of"]], (*variable.dims, "grid")
     values = ordered(each, dims).astype(float)
     spacing = ordered(result.data["spacing"], dims)
     at = np.broadcast_to(spacing ** float(variable.attrs["power"]), values.shape)
@@ -226,7 +226,7 @@ def _polynomial(result: Result, name: str, variable: xr.Variable) -> Array:
 
 def _mean_distance(result: Result, name: str, variable: xr.Variable) -> Array:
     """Mean distance from 1, in logarithms, over the loads below nearly full contact."""
-    over = ordered(result.data[str(variable.attrs["of"])], (*variable.dims, "load")).astype(float)
+    over = ordered(result.data[variable.attrs["of"]], (*variable.dims, "load")).astype(float)
     partly = result.data["area"].values < float(variable.attrs["below"])
     with np.errstate(invalid="ignore", divide="ignore"):
         return np.asarray(np.abs(np.log(over[..., partly])).mean(axis=-1))
@@ -236,7 +236,7 @@ def _mean_distance(result: Result, name: str, variable: xr.Variable) -> Array:
 REDUCTIONS: Mapping[str, Callable[[Result, str, xr.Variable], Array | xr.Variable | None]] = {
     "change": _change,
     "drift": from_solves.drift,
-    "expression": lambda result, _, one: _evaluated(str(one.attrs["expression"]), result.data),
+    "expression": lambda result, _, one: _evaluated(one.attrs["expression"], result.data),
     "field": from_solves.of_field,
     "limit": from_solves.limit,
     "line limit": _line,

@@ -374,7 +374,7 @@ def _of_solves(run: Run) -> Expected:
         first, key = run.methods[0], (grid, (0.0, 0.0), 0)
         if method != first and (first, *key) in run.solves and list(grid) in run.options[first]["grids"]:
             a, b = run.solves[(method, *key)], run.solves[(first, *key)]
-            row["pressure_difference"] = math.sqrt(float(np.sum((a.p - b.p) ** 2)) / float(np.sum(b.p**2)))
+            row["pressure_difference"] = math.sqrt(np.sum((a.p - b.p) ** 2) / np.sum(b.p**2))
             row["area_pixel_difference"] = a.pixel / b.pixel - 1
             row["area_perimeter_difference"] = a.perimeter / b.perimeter - 1
         yield from ((name, value, at) for name, value in row.items())
@@ -451,6 +451,6 @@ def yielded_areas(pressure: float, *, variance: float, hardness: float) -> Pair:
     """
     x, width = pressure / hardness, math.sqrt(2 * variance) / hardness
     walls = 2 * np.arange(_IMAGES)
-    detached = float(np.sum(erfc((walls + x) / width) - erfc((walls + 2 - x) / width)))
-    yielded = float(np.sum(erfc((walls + 1 - x) / width) - erfc((walls + 1 + x) / width)))
+    detached = np.sum(erfc((walls + x) / width) - erfc((walls + 2 - x) / width))
+    yielded = np.sum(erfc((walls + 1 - x) / width) - erfc((walls + 1 + x) / width))
     return yielded, 1 - yielded - detached

@@ -66,7 +66,7 @@ def moments(heights: Array, lengths: Pair) -> Moments:
     if ny % 2 == 0:
         power[:, ny // 2] /= 2
     q = wavevectors(heights.shape, lengths)
-    m0, m2, m4 = (float(np.sum(q**k * power)) for k in (0, 2, 4))
+    m0, m2, m4 = (np.sum(q**k * power) for k in (0, 2, 4))
     return m0, m2, m4
 
 
@@ -178,22 +178,22 @@ class Stored:
         if "hardness" in self.effects:
             off = np.where(self.gap < 0, self.p - self.effects["hardness"]["hardness"], wall)
         height = math.sqrt(self.moments[0])
-        stress = max(strength, math.sqrt(float(np.mean(self.p**2))))
+        stress = max(strength, math.sqrt(np.mean(self.p**2)))
         return {
             "penetration": 0.0,  # what overlaps has yielded
-            "tension": max(0.0, -float(wall.min())) / (self.modulus * math.sqrt(self.moments[1])),
-            "complementarity": float(np.mean(np.abs(off * self.gap))) / (stress * height),
+            "tension": max(0.0, -wall.min()) / (self.modulus * math.sqrt(self.moments[1])),
+            "complementarity": np.mean(np.abs(off * self.gap)) / (stress * height),
             "load": abs(self.mean_pressure - pressure) / stress,
         }
 
     @cached_property
     def residuals(self) -> dict[str, float]:
         """The four residuals, dimensionless; the load is the one the recipe asks for."""
-        height, stress = float(np.std(self.h)), self.modulus * math.sqrt(self.moments[1])
+        height, stress = np.std(self.h), self.modulus * math.sqrt(self.moments[1])
         force, closed = self.weights * self.p, np.where(self.bound, 0.0, self.gap)
         return {
-            "penetration": max(0.0, -float(closed.min())) / height,
-            "tension": max(0.0, -float(self.p.min())) / stress,
+            "penetration": max(0.0, -closed.min()) / height,
+            "tension": max(0.0, -self.p.min()) / stress,
             "complementarity": float(np.sum(np.abs(force * closed)) / (np.sum(np.abs(force)) * height)),
         }
 
@@ -238,7 +238,7 @@ class Stored:
             without = _bounded_power(gap, np.roll(self.gap, -2 * sign, axis)[edge], 2 / 3)
             for (a, b), rows in EDGE_BEND.items():
                 place = place + polyval2d(v, cosine**2, np.array(rows)) * within**a * without**b
-            moved += float(np.sum((place - 0.5) * cosine**2))
+            moved += np.sum((place - 0.5) * cosine**2)
         return float((np.sum(self.contact) + moved) / self.contact.size)
 
     @cached_property
@@ -251,7 +251,7 @@ class Stored:
         if not angle.size:
             return 0.0
         weight = np.cos(angle) ** 2
-        uneven = abs(float(np.sum(weight * np.cos(8 * angle)))) / float(weight.sum())
+        uneven = abs(np.sum(weight * np.cos(8 * angle))) / weight.sum()
         return min(max((uneven - _ROUGH) / (1 - _ROUGH), 0.0), 1.0)
 
     @cached_property
@@ -284,7 +284,7 @@ class Stored:
     def wavenumber(self) -> float:
         """Root of the sixth over the fourth moment, times the spacing."""
         power, x, y, _ = self._waves
-        fourth, sixth = (float(np.sum(power * (x**2 + y**2) ** k)) for k in (2, 3))
+        fourth, sixth = (np.sum(power * (x**2 + y**2) ** k) for k in (2, 3))
         step = math.sqrt(math.prod(self.spacing))
         return math.sqrt(sixth / fourth) * step if fourth > 0 else 0.0
 

@@ -80,7 +80,7 @@ def _errors(result: Result, name: str, ledger: Ledger) -> None:
             none = np.where(np.isnan(part), np.nan, 0.0)
             ledger.number("data.nc", f"{where} does not enter", part, none)
         elif source in expected and source not in str(error.attrs.get("claimed", "")).split():
-            scale = float(np.fmax.reduce(np.abs(variable.values), axis=None, initial=0.0))
+            scale = np.fmax.reduce(np.abs(variable.values), axis=None, initial=0.0)
             ledger.number("data.nc", where, part, expected[source], rtol=1e-5, atol=1e-11 * scale)
         elif np.isfinite(part).any():
             ledger.unread.append(f"data.nc: {where}")

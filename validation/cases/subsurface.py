@@ -56,7 +56,7 @@ def _wave() -> Checks:
         result = bem.solve(exact.surface(n), _HALF_SPACE, mean_pressure=exact.load).checked()
         (plane,) = planes_below(result, _HALF_SPACE, depths=[0.05])
         off = np.abs(plane.stress[:, 1] - exact.stress(places(n), 0.05, poisson=_NU))
-        errors.append(float(np.max(off)) / exact.load)
+        errors.append(np.max(off) / exact.load)
     yield order("observed order of the stress at depth .05", sizes, errors, expected=2, tolerance=0.7)
     yield below(f"largest error over p0 at n = {sizes[-1]}", errors[-1], 1e-4)
 
@@ -99,9 +99,9 @@ def _balance(response: Response, depth: float) -> Checks:
     for count in steps:
         step = 0.02 / count
         stress = fields_below(result, response, depths=depth + step * np.array([-1, 0, 1])).stress
-        errors.append(_divergence(stress, step) * result.lengths[0] / float(np.ptp(result.pressure)))
+        errors.append(_divergence(stress, step) * result.lengths[0] / np.ptp(result.pressure))
     (top,) = planes_below(result, response, depths=[0.0])
-    scale = float(np.max(result.pressure))
+    scale = np.max(result.pressure)
     yield order("observed order of div sigma in the step of depth", steps, errors, expected=2, tolerance=0.1)
     yield below("div sigma L over the range of pressure", errors[-1], 1e-3)
     yield below("s_zz + p at the surface", (top.stress[..., 2] + result.pressure) / scale, 1e-12)

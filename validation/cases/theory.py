@@ -117,7 +117,7 @@ def _generator() -> Checks:
     m, n = np.meshgrid(np.arange(-20, 21), np.arange(-20, 21), indexing="ij")
     q = 2 * math.pi * np.hypot(m / lx, n / ly)
     waves = (q > 0) & (q <= 80.0)
-    sums = [float(np.sum(cell * _power(q[waves]) * q[waves] ** (2 * k))) for k in range(3)]
+    sums = [np.sum(cell * _power(q[waves]) * q[waves] ** (2 * k)) for k in range(3)]
     for k, moment in enumerate(surface.moments):
         yield relative(f"m{2 * k} over the waves of the period", moment, sums[k], 1e-12)
     alpha = 1.5 * sums[0] * sums[2] / sums[1] ** 2
@@ -180,8 +180,8 @@ def _summits() -> Checks:
     share = contact.density / density
     under = (d < 0).astype(float)
     under[d == 0] = 0.5
-    first = float(np.trapezoid(share - under, d))
-    second = 2 * float(np.trapezoid(d * (share - under), d))
+    first = np.trapezoid(share - under, d)
+    second = 2 * np.trapezoid(d * (share - under), d)
     ring = ring_asperities(1e5, rms_height=1e-6)
     yield relative("Nayak parameter", _MOMENTS.nayak, alpha, 1e-12)
     yield relative("density [1/m^2]", asperities.density, density, 1e-12)

@@ -17,6 +17,8 @@ from dataclasses import dataclass, field
 from importlib import resources
 from typing import Any, NamedTuple
 
+import numpy as np
+
 #: What `Stated` holds, as columns.
 STATED = ("stated", "stated_low", "stated_high", "stated_basis")
 
@@ -43,8 +45,8 @@ def _stated(row: dict[str, Any]) -> Stated:
     """Take the number out of a row of claims.toml, with its range."""
     value, take = row.pop("stated"), row.pop
     if "digit" in row:
-        last = take("digit")
-        return Stated(value, value - last / 2, value + last / 2, "half of the last digit")
+        half = take("digit") / 2
+        return Stated(value, value - half, value + half, "half of the last digit")
     if "percent" in row:
         return percent(value, take("percent"))
     if "factor" in row:
@@ -60,7 +62,7 @@ class Claim:
     text: str  # What is claimed, and where
     section: str
     stated: Stated
-    value: Callable[..., float]  # Computes the number; where not `fixed`, under a convention
+    value: Callable[..., Any]  # Computes the number; where not `fixed`, under a convention
     fixed: bool = False  # Whether no convention enters
     choice: str = ""  # What the paper does not state and was chosen here; empty if nothing
     # Why the claim does not hold, should it not agree.
@@ -90,7 +92,7 @@ def written() -> dict[str, dict[str, Any]]:
 def application(
     name: str,
     *,
-    values: Mapping[str, Callable[..., float]],
+    values: Mapping[str, Callable[..., Any]],
     more: Mapping[str, Mapping[str, Any]] | None = None,
     **conventions: Mapping[str, Any],
 ) -> Application:
@@ -117,17 +119,15 @@ def judge(application: Application, *, tell: Callable[[str], None] | None = None
     Where several conventions serve equally well the first of them is taken, so that the literal one wins
     a tie.
     """
-    conventions, claims, values = application.conventions, application.claims, []
+    conventions, claims = application.conventions, application.claims
+    values = []
     for claim in claims:
         if tell is not None:
             tell(claim.text)
-        if claim.fixed:
-            values.append([float(claim.value())] * len(conventions))
-        else:
-            values.append([float(claim.value(told)) for told in conventions.values()])
+        told = [()] if claim.fixed else [(convention,) for convention in conventions.values()]
+        values.append([float(claim.value(*each)) for each in told] * (len(conventions) // len(told)))
     agree = [[claim.agrees(value) for value in known] for claim, known in zip(claims, values, strict=True)]
-    scores = [sum(column) for column in zip(*agree, strict=True)]
-    best = scores.index(max(scores))
+    best = int(np.argmax(np.sum(agree, axis=0)))
     rows: list[dict[str, Any]] = []
     for claim, known in zip(claims, values, strict=True):
         inferred = best > 0 and not claim.fixed

@@ -39,11 +39,11 @@ class PaperFigure:
     def compute(self) -> xr.Dataset:
         """Return its quantities over curve and point; NaN where a curve has no more."""
         curves = self.curves()
+        dims = f"curve_{self.name}", f"point_{self.name}"
         names = dict.fromkeys(name for values in curves.values() for name in values)
         rows = padded(values.get(name, ()) for name in names for values in curves.values())
-        tables = rows.reshape(len(names), len(curves), -1)
-        dims = f"curve_{self.name}", f"point_{self.name}"
-        made = {f"{name}_{self.name}": (dims, table) for name, table in zip(names, tables, strict=True)}
+        tables = zip(names, rows.reshape(len(names), len(curves), -1), strict=True)
+        made = {f"{name}_{self.name}": (dims, table) for name, table in tables}
         return xr.Dataset(made, coords={dims[0]: list(curves)})
 
     def declared(self) -> Figure:
@@ -61,9 +61,14 @@ class PaperFigure:
 FIGURES: list[PaperFigure] = []
 
 
-def _figure(name: str, title: str, *panels: tuple[str, str, str]) -> Callable[[Callable[[], Curves]], None]:
-    """Add a `PaperFigure` of the function below, which returns its curves."""
-    return lambda curves: FIGURES.append(PaperFigure(name=name, title=title, panels=panels, curves=curves))
+def _figure(title: str, *panels: tuple[str, str, str]) -> Callable[[Callable[[], Curves]], None]:
+    """Add a `PaperFigure` of the function below, which returns its curves, by its name."""
+
+    def added(curves: Callable[[], Curves]) -> None:
+        name = curves.__name__.removeprefix("_")
+        FIGURES.append(PaperFigure(name=name, title=title, panels=panels, curves=curves))
+
+    return added
 
 
 def _spectrum(spectrum: Spectrum, q: Array | None = None) -> Mapping[str, Array]:
@@ -71,7 +76,7 @@ def _spectrum(spectrum: Spectrum, q: Array | None = None) -> Mapping[str, Array]
     return {"wavevector": q, "power_spectrum": np.asarray(spectrum(q))}
 
 
-@_figure("spectra", "Power spectra, Sec. 2.2", ("wavevector", "power_spectrum", "xy"))
+@_figure("Power spectra, Sec. 2.2", ("wavevector", "power_spectrum", "xy"))
 def _spectra() -> Curves:
     return {
         "polished steel, h_rms = 0.1 um": _spectrum(s.steel()),
@@ -80,7 +85,6 @@ def _spectra() -> Curves:
 
 
 @_figure(
-    "greenwood_williamson",
     "Greenwood-Williamson model, one wavelength, q_m = 600 1/m and q_m h_rms = 1, Sec. 3.2",
     ("load_modulus", "area", "xy"),
     ("load_modulus", "patch_mean", "xy"),
@@ -98,7 +102,6 @@ def _greenwood_williamson() -> Curves:
 
 
 @_figure(
-    "polished_steel",
     "Polished steel, elastic, Sec. 3.4 (q_0 = 1e5 1/m chosen)",
     ("load_modulus", "area", "xy"),
     ("magnification", "area", "xy"),
@@ -113,7 +116,6 @@ def _polished_steel() -> Curves:
 
 
 @_figure(
-    "macroasperities",
     "Macroasperities of polished steel at 10 MPa, Sec. 3.6 (smooth roll-off)",
     ("magnification", "area", "xy"),
     ("magnification", "area_bend", "x"),
@@ -128,7 +130,6 @@ def _macroasperities() -> Curves:
 
 
 @_figure(
-    "elastoplastic",
     "Polished steel at 10 MPa with constant hardness, Sec. 6",
     ("magnification", "area_elastic", "xy"),
     ("magnification", "plastic_load_share", "x"),
@@ -158,7 +159,6 @@ def _against_roughness(
 
 
 @_figure(
-    "rim_roughness",
     "Tire rim without load, Sec. 8.3",
     ("roughness_ratio", "area", ""),
     ("roughness_ratio", "work_share", ""),
@@ -173,18 +173,14 @@ def _rim_roughness() -> Curves:
 
 
 @_figure(
-    "rim_magnification",
     "Tire rim at 0.5 MPa, Sec. 8.3",
     ("magnification", "area", "x"),
     ("magnification", "work_share", "x"),
 )
 def _rim_magnification() -> Curves:
     curves: dict[str, Mapping[str, Any]] = {}
-    for label, energy in (
-        ("old energy, Eq. 43", "old"),
-        ("Eq. 48", "improved"),
-        ("Eq. 50 as printed", "as_printed"),
-    ):
+    named = {"old energy, Eq. 43": "old", "Eq. 48": "improved", "Eq. 50 as printed": "as_printed"}
+    for label, energy in named.items():
         interface = Interface(work_of_adhesion=s.RIM_WORK, energy=energy)  # type: ignore[arg-type]
         answer = s.adhesive(s.rim(), s.RIM_MODULUS, s.RIM_PRESSURE, interface)
         zeta, share = answer.wavevectors / 1e5, answer.work / s.RIM_WORK
@@ -206,13 +202,13 @@ def _against_pressure(
     }
 
 
-@_figure("rim_pressure", "Tire rim, Sec. 8.3 (Eq. 50 as printed)", ("pressure_nominal", "area", ""))
+@_figure("Tire rim, Sec. 8.3 (Eq. 50 as printed)", ("pressure_nominal", "area", ""))
 def _rim_pressure() -> Curves:
     interface = Interface(work_of_adhesion=s.RIM_WORK, energy="as_printed")
     return _against_pressure(s.rim(), s.RIM_MODULUS, interface, np.linspace(0.02e6, 1.5e6, 20))
 
 
-@_figure("pmma_pressure", "PMMA on silane, Sec. 10.1 (nu = 0.35)", ("pressure_nominal", "area", ""))
+@_figure("PMMA on silane, Sec. 10.1 (nu = 0.35)", ("pressure_nominal", "area", ""))
 def _pmma_pressure() -> Curves:
     interface = Interface(work_of_adhesion=s.PMMA_WORK, energy="as_printed")
     load = np.linspace(1e6, 100e6, 23)
@@ -226,7 +222,7 @@ def _pmma_pressure() -> Curves:
 _PYREX = s.pyrex().scaled(4.0)
 
 
-@_figure("pyrex_spectra", "Pyrex, two surfaces, Sec. 10.2", ("wavevector", "power_spectrum", "xy"))
+@_figure("Pyrex, two surfaces, Sec. 10.2", ("wavevector", "power_spectrum", "xy"))
 def _pyrex_spectra() -> Curves:
     after = smoothed_pyrex()
     return {
@@ -236,7 +232,6 @@ def _pyrex_spectra() -> Curves:
 
 
 @_figure(
-    "pyrex_roughness",
     "Pyrex without load, Sec. 10.2 (C x 4, E = 32 GPa, energy of Eq. 43)",
     ("roughness_ratio", "area", ""),
     ("roughness_ratio", "work_share", ""),
@@ -252,7 +247,6 @@ def _pyrex_roughness() -> Curves:
 
 
 @_figure(
-    "pyrex_yielding",
     "Pyrex at 20 MPa, sigma_Y = 6 GPa, zeta = q / (1e6 1/m), Sec. 10.2",
     ("magnification", "area_elastic", "xy"),
     ("magnification", "area_plastic", "x"),
@@ -260,16 +254,15 @@ def _pyrex_roughness() -> Curves:
 def _pyrex_yielding() -> Curves:
     q = np.geomspace(_PYREX.q_min * 1.001, _PYREX.q_short, 240)
     areas = s.yielded(_PYREX, s.PYREX_MODULUS, s.PYREX_PRESSURE, hardness=s.PYREX_HARDNESS, q=q)
-    elastic_area = s.area(_PYREX, s.PYREX_MODULUS, s.PYREX_PRESSURE, q)
-    kept = np.where(areas.elastic > 1e-8, areas.elastic, np.nan)
-    hard = {"magnification": q / 1e6, "area_elastic": kept, "area_plastic": areas.plastic}
+    soft = s.area(_PYREX, s.PYREX_MODULUS, s.PYREX_PRESSURE, q)
+    hard = np.where(areas.elastic > 1e-8, areas.elastic, np.nan)
     return {
-        "infinite hardness": {"magnification": q / 1e6, "area_elastic": elastic_area},
-        "sigma_Y = 6 GPa": hard,
+        "infinite hardness": {"magnification": q / 1e6, "area_elastic": soft},
+        "sigma_Y = 6 GPa": {"magnification": q / 1e6, "area_elastic": hard, "area_plastic": areas.plastic},
     }
 
 
-@_figure("coarse_grid", "Too coarse a grid, Sec. 12 (G = 1)", ("stress_over_load", "density_over_load", ""))
+@_figure("Too coarse a grid, Sec. 12 (G = 1)", ("stress_over_load", "density_over_load", ""))
 def _coarse_grid() -> Curves:
     stress = np.linspace(0.0, 5.0, 300)
     exact = elastic.pressure_distribution(stress, pressure=1.0, stress_variance=2.0)
@@ -281,7 +274,6 @@ def _coarse_grid() -> Curves:
 
 
 @_figure(
-    "adhesive_spheres",
     "Smooth spheres of 1 GPa at the centre, App. B",
     ("stress_local", "density_local", ""),
 )
@@ -292,7 +284,4 @@ def _adhesive_spheres() -> Curves:
         "sigma_a = 0.3 GPa, eta = 1.1": contact.distribution(stress),
         "Hertz": hertz_pressure_distribution(stress, peak_pressure=1.0),
     }
-    return {
-        label: {"stress_local": 1e9 * stress, "density_local": density / 1e9}
-        for label, density in densities.items()
-    }
+    return {name: {"stress_local": 1e9 * stress, "density_local": d / 1e9} for name, d in densities.items()}

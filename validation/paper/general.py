@@ -94,24 +94,21 @@ GENERAL = application(
         "ring_density": lambda: ring_asperities(1.0, rms_height=1.0).density,
         "gw_area": lambda: _patches("area"),
         "gw_patch": lambda: _patches("patch_area"),
-        "gw_patches": lambda: float(_LIGHT.area / _LIGHT.density / _LIGHT.patch_area),
+        "gw_patches": lambda: _LIGHT.area / _LIGHT.density / _LIGHT.patch_area,
         "summit_height": lambda: _SUMMITS.rms_height,
         "summit_curvature": lambda: math.sqrt(2) * _SUMMITS.radius,
         "kappa": lambda: _kappa(elastic.KAPPA_PERSSON),
         "bgt": lambda: _kappa(elastic.KAPPA_BGT),
         # The slope of A(sigma_0) at A/A0 = .1 below that at light load [%].
         "linear": lambda: (
-            100
-            * (1 - 0.1 / float(elastic.pressure_for_area(0.1, stress_variance=0.25)) / elastic.KAPPA_PERSSON)
+            100 * (1 - 0.1 / elastic.pressure_for_area(0.1, stress_variance=0.25) / elastic.KAPPA_PERSSON)
         ),
         "books": _books,
         # F / ((sigma_0 + sigma_a) A0) where A/A0 = .01, Eq. 42.
-        "light_books": lambda: float(
-            adhesion_load(0.3, stress_variance=6366.0, tensile_limit=0.7).contact_force
-        ),
+        "light_books": lambda: adhesion_load(0.3, stress_variance=6366.0, tensile_limit=0.7).contact_force,
         "crossover": lambda: 1e6 * crossover_length(0.03, contact_modulus=1.1e11, atomic_distance=5e-10),
-        "tolerant_smooth": lambda: float(_tolerant(1e-11).growth.max()),
-        "tolerant_rough": lambda: float(_tolerant(1e-9).growth[0]),
+        "tolerant_smooth": lambda: max(_tolerant(1e-11).growth),
+        "tolerant_rough": lambda: _tolerant(1e-9).growth[0],
         "rubber": lambda: crack_dissipation(
             1e4, loss_compliance=_RUBBER.loss_compliance, relaxed=1e6, tip_radius=1e-9
         ),
@@ -158,7 +155,7 @@ STEEL = application(
         "area_share": lambda: s.STEEL_PRESSURE / _pressure(s.STEEL_PRESSURE),
         "pressure_share": lambda: _pressure(10e6) / _pressure(1e6),
         "plastic_limit": lambda: (
-            float(s.yielded(s.steel(), s.STEEL_MODULUS, s.STEEL_PRESSURE, hardness=2e9).plastic)
+            s.yielded(s.steel(), s.STEEL_MODULUS, s.STEEL_PRESSURE, hardness=2e9).plastic
             * 2e9
             / s.STEEL_PRESSURE
         ),

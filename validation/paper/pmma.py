@@ -52,26 +52,22 @@ PMMA = application(
         "work": lambda: 2 * math.sqrt(0.04 * 0.02),
         "detachment": lambda: (
             1e-9
-            * float(
-                detachment_stress(
-                    s.PMMA_WORK,
-                    contact_modulus=s.PMMA_MODULUS,
-                    wavevector=7e9,
-                    interface=Interface(work_of_adhesion=s.PMMA_WORK),
-                )
+            * detachment_stress(
+                s.PMMA_WORK,
+                contact_modulus=s.PMMA_MODULUS,
+                wavevector=7e9,
+                interface=Interface(work_of_adhesion=s.PMMA_WORK),
             )
         ),
-        "local_shear": lambda: (
-            float(local_shear_stress(50e6 * 30e6 / 300e6, pressure=30e6, hardness=300e6)) / 50e6
-        ),
-        "barrier": lambda: float(slip_energy(50e6, slip=3e-10)) / _MEV,
-        "adhesional": lambda: float(adhesional_pressure(_MEV, lift=1e-12)) / 1e9,
+        "local_shear": lambda: local_shear_stress(50e6 * 30e6 / 300e6, pressure=30e6, hardness=300e6) / 50e6,
+        "barrier": lambda: slip_energy(50e6, slip=3e-10) / _MEV,
+        "adhesional": lambda: adhesional_pressure(_MEV, lift=1e-12) / 1e9,
         "rms": lambda rms: rough_pmma(rms).moments().rms_height * 1e9,
         "rms_caption": lambda rms: rough_pmma(rms).moments().rms_height * 1e9,
         "amplitude": lambda rms: 10 * rough_pmma(rms).moments().rms_height * 1e9,
-        "spectrum_ratio": lambda rms: float(rough_pmma(rms)(7e9) / s.steel()(7e9)),
+        "spectrum_ratio": lambda rms: rough_pmma(rms)(7e9) / s.steel()(7e9),
         "load_dependence": lambda rms: pmma_area(rms, 100e6) / pmma_area(rms, 1e6),
-        "local_pressure": lambda rms: 50e6 / float(s.area(rough_pmma(rms), s.PMMA_MODULUS, 50e6)) / 1e9,
+        "local_pressure": lambda rms: 50e6 / s.area(rough_pmma(rms), s.PMMA_MODULUS, 50e6) / 1e9,
     },
     more={
         "spectrum_ratio": {"note": lambda: f"they cross at {_crossing():.2g} 1/m"},

@@ -145,8 +145,8 @@ PYREX = application(
         "work_after": lambda pyrex: _squeezed(pyrex).after.macroscopic_work / pyrex.work,
         "threshold": lambda pyrex: _after(pyrex, 1e-8),
         "area_after": lambda pyrex: _squeezed(pyrex).after.real_area,
-        "nominal_pressure": lambda pyrex: float(hertz_pressure(_FORCE, **_pair(pyrex))) / 1e6,
-        "pull_off": lambda pyrex: float(yielded_share(_FORCE, hardness=s.PYREX_HARDNESS, **_pair(pyrex))),
+        "nominal_pressure": lambda pyrex: hertz_pressure(_FORCE, **_pair(pyrex)) / 1e6,
+        "pull_off": lambda pyrex: yielded_share(_FORCE, hardness=s.PYREX_HARDNESS, **_pair(pyrex)),
     },
     more={
         "rms": {

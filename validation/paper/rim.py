@@ -76,8 +76,8 @@ RIM = application(
     "tire rim",
     conventions=_READINGS,
     values={
-        "slope_factor": lambda: 100 * (float(area_factor(s.rim().m2())) - 1),
-        "dry_area": lambda: float(s.area(s.rim(), s.RIM_MODULUS, s.RIM_PRESSURE)),
+        "slope_factor": lambda: 100 * (area_factor(s.rim().m2()) - 1),
+        "dry_area": lambda: s.area(s.rim(), s.RIM_MODULUS, s.RIM_PRESSURE),
         "onset_estimate": lambda: s.RIM_PRESSURE**2 / (10e6 * s.RIM_WORK) / 1e5,
         "wavelength": lambda: 2 * math.pi / (10 * 1e5) * 1e6,
         "shear_force": lambda: 0.05 * 0.25e6 / 1e3,
@@ -88,7 +88,7 @@ RIM = application(
         "friction": lambda rim: 0.05 * 0.25e6 * _pressed(rim).real_area / 1e3,
         "site_threshold": lambda rim: _pressed(rim).real_area,
         "computed_thresholds": lambda rim: _pressed(rim).real_area,
-        "energy_share": lambda rim: float(_pressed(rim).energy_share[-1] / _pressed(rim).area[-1]),
+        "energy_share": lambda rim: _pressed(rim).energy_share[-1] / _pressed(rim).area[-1],
     },
     more={
         "area": {

@@ -47,7 +47,7 @@ class Scorecard:
     @property
     def failed(self) -> tuple[Verdict, ...]:
         """Verdicts that did not pass."""
-        return tuple(verdict for verdict in self.counted if not verdict.passed)
+        return tuple(verdict for verdict in self.verdicts if verdict.word == "FAILS")
 
     @property
     def left_out(self) -> Mapping[str, str]:
@@ -102,8 +102,9 @@ def own_cases() -> tuple[Case, ...]:
     cases = []
     for name, (method, settings) in _OWN.items():
         subject = Subject(name=name, solver=chosen_solver(method)[0], settings=settings, built_in=True)
-        renamed_rows = (row for row in rows(subject) if row.name != f"against-{name}")
-        cases += [replace(row, name=f"{row.name}-{name}") for row in renamed_rows]
+        cases += [
+            replace(row, name=f"{row.name}-{name}") for row in rows(subject) if row.name != f"against-{name}"
+        ]
     return tuple(cases)
 
 
@@ -114,11 +115,7 @@ def score(subject: Subject, *, tell: Callable[[str], None] | None = None) -> Sco
         run_cases(rows(subject), tell=tell),
         key=lambda verdict: (bool(verdict.left_out), verdict.passed, -verdict.used),
     )
-    wrong = any(verdict.word == "FAILS" for verdict in verdicts)
-    priced = any(v.case == f"rough-{ladder.PRICED}" and v.error is None and not v.left_out for v in verdicts)
-    return Scorecard(
-        subject=subject,
-        verdicts=tuple(verdicts),
-        cost=ladder.cost(subject) if priced else (),
-        diagnosis=diagnose(subject) if wrong else "",
-    )
+    priced = any(v.case == f"rough-{ladder.PRICED}" and not (v.error or v.left_out) for v in verdicts)
+    cost = ladder.cost(subject) if priced else ()
+    card = Scorecard(subject=subject, verdicts=tuple(verdicts), cost=cost)
+    return replace(card, diagnosis=diagnose(subject)) if card.failed else card

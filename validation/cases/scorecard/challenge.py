@@ -38,42 +38,31 @@ def _key(job: Job) -> tuple[object, ...]:
     return field.heights.tobytes(), field.shape, field.lengths, modulus, job.mean_pressure
 
 
-class _Posed(Bem):
-    """What problems in files can ask: a load on the half-space."""
-
-    slots = frozenset()
-    controls = frozenset()
-
-
-class _Recorder(_Posed):
-    """Boundary elements that remember what they were asked."""
-
-    def __init__(self, points: int) -> None:
-        self.score_points = points  # type: ignore[misc]
-        self.jobs: dict[tuple[object, ...], Job] = {}
-
-    def claim(self, job: Job) -> Claim:
-        """Remember the problem and solve it, since rows read the answers."""
-        self.jobs.setdefault(_key(job), job)
-        return super().claim(job)
-
-
-class _Answers(_Posed):
-    """A solver whose answers lie in a folder."""
+class _Recorder(Bem):
+    """Boundary elements that remember what they were asked; with folders of problems, the answers there."""
 
     label = "Answers"
     papers = ()  # type: ignore[assignment]
+    #: Problems in files ask for a load on the half-space.
+    slots = controls = frozenset()
 
-    def __init__(self, problems: Mapping[Path, Job], points: int) -> None:
+    def __init__(self, points: int, folders: Mapping[tuple[object, ...], Path] | None = None) -> None:
         self.score_points = points  # type: ignore[misc]
-        self.folders = {_key(job): folder for folder, job in problems.items()}
+        self.jobs: dict[tuple[object, ...], Job] = {}
+        self.folders = folders
 
     def claim(self, job: Job) -> Claim:
-        """Read the answer of a problem; a NotJudged where there is none."""
-        folder = self.folders.get(_key(job))
-        if folder is None:
+        """Solve a problem, since rows read the answers, or read its answer; a NotJudged without one."""
+        self.jobs.setdefault(_key(job), job)
+        if self.folders is None:
+            return super().claim(job)
+        if (folder := self.folders.get(_key(job))) is None:
             raise NotJudged("a problem that was not exported")
         return _claim(folder, job.field.shape)
+
+    def subject(self, name: str, tolerance: float) -> Subject:
+        """Return it to be scored, however long that takes."""
+        return Subject(name=name, solver=self, settings={}, tolerance=tolerance, seconds=math.inf)
 
 
 def export(folder: Path, *, points: int, tolerance: float) -> int:
@@ -114,20 +103,15 @@ def score_folder(folder: Path, *, tell: Callable[[str], None] | None = None) -> 
         raise UsageError(f"{folder}: no answer; write pressure.npy or pressure.txt beside the heights")
     for place in answered:
         _claim(place, problems[place].field.shape)
-    subject = Subject(
-        name=folder.resolve().name,
-        solver=_Answers(problems, points),
-        settings={},
-        tolerance=tolerance,
-        seconds=math.inf,
-    )
+    answers = _Recorder(points, {_key(job): place for place, job in problems.items()})
+    subject = answers.subject(folder.resolve().name, tolerance)
     return score(subject, tell=tell)
 
 
 def _problems(folder: Path, points: int, tolerance: float) -> dict[Path, Job]:
     """Return what the rows of a scorecard ask for, each once, in folders whose order tells nothing."""
     recorder = _Recorder(points)
-    subject = Subject(name="recorder", solver=recorder, settings={}, tolerance=tolerance, seconds=math.inf)
+    subject = recorder.subject("recorder", tolerance)
     for row in rows(subject):
         with contextlib.suppress(NotJudged):
             tuple(row.run())
@@ -138,23 +122,25 @@ def _problems(folder: Path, points: int, tolerance: float) -> dict[Path, Job]:
 
 
 def _write(folder: Path, number: int, job: Job, tolerance: float) -> None:
-    field, modulus, load = job.field, job.model.solid.contact_modulus, job.mean_pressure
+    field = job.field
+    numbers = {
+        "lengths_m": list(field.lengths),
+        "contact_modulus_Pa": job.model.solid.contact_modulus,
+        "mean_pressure_Pa": job.mean_pressure,
+        "tolerance": tolerance,
+    }
     with atomic_path(folder / "heights.npy") as draft, draft.open("wb") as file:
         np.save(file, field.heights)
     with atomic_path(folder / "heights.txt") as draft:
         np.savetxt(draft, field.heights, fmt="%.17g")
     with atomic_path(folder / "parameters.txt") as draft:
-        numbers = (*field.shape, *field.lengths, modulus, load, tolerance)
-        draft.write_text("\n".join(f"{value:.17g}" for value in numbers) + "\n", encoding="ascii")
+        np.savetxt(draft, np.hstack([field.shape, *numbers.values()]), fmt="%.17g")
     write_json(
         folder / "problem.json",
         {
             "problem": number,
             "shape": list(field.shape),
-            "lengths_m": list(field.lengths),
-            "contact_modulus_Pa": modulus,
-            "mean_pressure_Pa": load,
-            "tolerance": tolerance,
+            **numbers,
             "heights": "heights.npy, or nx lines of ny numbers in heights.txt, in m",
             "parameters": "parameters.txt: nx, ny, Lx [m], Ly [m], E* [Pa], p0 [Pa], tolerance, one a line",
             "asked": _ASKED,

@@ -60,15 +60,15 @@ def diagnose(subject: Subject) -> str:
 def _fitted(pressure: Array, pattern: Array) -> tuple[float, float]:
     """Return the factor of a pattern in the fluctuation of the pressure, and the part that it leaves."""
     factor = float(np.vdot(pattern, pressure) / np.vdot(pattern, pattern))
-    size = float(np.linalg.norm(pressure))
+    size = np.linalg.norm(pressure)
     return factor, float(np.linalg.norm(pressure - factor * pattern)) / size if size else 1.0
 
 
 def _of_full_contact(transfer: Transfer) -> str | None:
     """Return what was done to the full contact: None if nothing was, an empty text if nothing fits."""
     pressure, exact = transfer.pressed.pressure, transfer.exact
-    load, mean = float(exact.mean()), float(pressure.mean())
-    off = max(float(transfer.allowed.max()), _LEFT)
+    load, mean = exact.mean(), pressure.mean()
+    off = max(transfer.allowed.max(), _LEFT)
     if np.ptp(pressure) < 1e-6 * np.ptp(exact):
         return "all points have one pressure" if mean else "all pressures are zero"
     moved, pattern = pressure - mean, exact - load
@@ -119,8 +119,8 @@ def _of_rough(subject: Subject) -> str:
     """Return what the pressures of a rough surface show; the full contact is right."""
     _, load, pressed = solves(subject)[0]
     pressure = pressed.pressure
-    lowest, highest = float(pressure.min()), float(pressure.max())
-    lifted = float(np.mean(pressure < lowest + 1e-6 * highest))
+    lowest, highest = pressure.min(), pressure.max()
+    lifted = np.mean(pressure < lowest + 1e-6 * highest)
     if lowest > 1e-3 * load and lifted > 0.2:
         return "a constant is added to the pressures"
     if lowest < -10 * subject.tolerance:

@@ -51,7 +51,7 @@ class Transfer:
     def factor(self) -> float | None:
         """Stiffness over that of the solid; None where waves disagree."""
         sizes = np.abs(self.ratio)
-        mean = float(sizes[:2].mean())
+        mean = sizes[:2].mean()
         return mean if bool(np.all(np.abs(sizes / mean - 1) <= 2 * self.allowed)) else None
 
 
@@ -67,8 +67,8 @@ def full_contact_transfer(
         wave = 1e-3 * amplitude * np.cos(2 * np.pi * (kx * x[:, None] + ky * x[None, :]) + phase)
         soft = float(response.compliance(*(np.array([2.0 * np.pi * k]) for k in (kx, ky)))[0])
         heights, linear = heights + wave, linear + wave / soft
-        sizes.append(2 * np.pi * float(np.hypot(kx, ky)))
-    surface, load = periodic(heights), -_FLATTENING * float(linear.min())
+        sizes.append(2 * np.pi * np.hypot(kx, ky))
+    surface, load = periodic(heights), -_FLATTENING * linear.min()
     pressed = subject.press(surface, load, model=model)
     over = np.fft.fft2(pressed.pressure), np.fft.fft2(linear)
     ratio = np.array([over[0][kx, ky] / over[1][kx, ky] for kx, ky, *_ in waves])
@@ -85,7 +85,7 @@ def solves(subject: Subject) -> list[tuple[HeightField, float, Pressed]]:
 @case("tension", source="definition", tolerance="solver")
 def tension(subject: Subject) -> Checks:
     """No pressure is below zero."""
-    lowest = min(float(pressed.pressure.min()) for _, _, pressed in solves(subject))
+    lowest = min(pressed.pressure.min() for _, _, pressed in solves(subject))
     yield below("lowest pressure over E* h'_rms", min(lowest, 0.0), 10 * subject.tolerance)
 
 
@@ -110,7 +110,7 @@ def full_contact(subject: Subject) -> Checks:
     exact = subject.built_in and subject.solver.score_element == "bem"
     yield from wave_errors(transfer, exact=exact)
     yield relative("A/A0", np.mean(transfer.pressed.pressure > 0), 1.0, 0.0)
-    allowed = 1e-9 if exact else 2 * float(transfer.allowed.max())
+    allowed = 1e-9 if exact else 2 * transfer.allowed.max()
     computed = np.var(transfer.pressed.pressure) / variance
     yield relative("<(p - p0)^2> over E*^2 m2 / 4", computed, 1.0, allowed)
 
@@ -156,10 +156,9 @@ def honesty(subject: Subject) -> Checks:
     checks: list[Check] = []
     for _, p, pressed in solves(subject):
         residuals = pressed.result.residuals
-        checks += [
-            below(f"complementarity, p* = {p:g}", residuals.complementarity, subject.tolerance),
-            below(f"penetration over h_rms, p* = {p:g}", residuals.penetration, 10 * subject.tolerance),
-        ]
+        checks.append(below(f"complementarity, p* = {p:g}", residuals.complementarity, subject.tolerance))
+        words = f"penetration over h_rms, p* = {p:g}"
+        checks.append(below(words, residuals.penetration, 10 * subject.tolerance))
     return judge_residuals(subject, checks)
 
 

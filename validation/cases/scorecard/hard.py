@@ -35,7 +35,7 @@ def near_full(subject: Subject) -> Checks:
         # Two gaps in a period, counted to half a cell along their edges; where edges are located, to a tenth.
         edge = 2 * 2 * math.pi * math.sqrt(open_share / 2 / math.pi) / n
         located = subject.solver.locates_edges
-        area = subcell_area(pressed) if located else float(pressed.in_contact.mean())
+        area = subcell_area(pressed) if located else pressed.in_contact.mean()
         tolerance = (0.1 if located else 0.5) * edge + miss * open_share
         yield near(f"1 - A/A0 at {1 - miss:g} of it", 1 - area, open_share, tolerance)
 
@@ -81,7 +81,7 @@ def _asked_back(subject: Subject, *, load: float) -> Checks:
     by_load = subject.press(surface, load).result
     by_offset = subject.press(surface, None, more={"offset": by_load.offset})
     missed = abs(by_offset.result.offset - by_load.offset) / surface.rms_height
-    area = float(by_load.in_contact.mean())
+    area = by_load.in_contact.mean()
     # Both answers miss the offset by what the tolerance allows.
     allowed = 2 * 10 * subject.tolerance
     words = f"offset of the returned pressure beside that asked for, over h_rms, A/A0 = {area:.4f}"

@@ -67,12 +67,12 @@ def hertz(subject: Subject) -> Checks:
         # The same points on every grid: what lies nearer to the edge than a coarse cell is another question.
         inside = r < exact.radius - 1.5 / subject.points
         off = np.abs(pressed.pressure - exact.pressure(r)) / exact.peak
-        errors.append(float(off[inside].mean()))
-        worst = float(off[r < exact.radius - 1.5 / n].max())
+        errors.append(off[inside].mean())
+        worst = off[r < exact.radius - 1.5 / n].max()
     # Of a discretisation of second order, (dx/a)^2 / 2.
     allowed = 0.5 / (exact.radius * subject.ladder[-1]) ** 2
     # A clamped body is pressed together, besides.
-    approach = -(pressed.result.offset + float(pressed.result.displacement.mean()))
+    approach = -(pressed.result.offset + pressed.result.displacement.mean())
     peak = pressed.pressure.max() / exact.peak
     yield relative("peak pressure over Hertz's, finest grid", peak, 1.0, allowed)
     yield below("mean error of p(r) over the peak, finest grid", errors[-1], allowed)
@@ -115,9 +115,9 @@ def stress_near_zero(subject: Subject) -> Checks:
     _needs_order(subject)
     exact, starts, slope = _hertz(subject), [], 0.0
     for n in subject.ladder:
-        eps = exact.peak * float(np.sqrt(0.5 / (exact.radius * n)))
+        eps = exact.peak * np.sqrt(0.5 / (exact.radius * n))
         parts = [((p := pressed.pressure) > 0) & (p < eps) for pressed in _shifted(subject, n)]
-        share = float(np.average([part.mean() for part in parts], weights=_WEIGHTS))
+        share = np.average([part.mean() for part in parts], weights=_WEIGHTS)
         starts.append(share / eps * exact.contact_modulus)
         slope = 2 * share / eps**2 / (np.pi**3 / 2)
     yield from _observed(subject, "P(0+)", starts, expected=0.5, tolerance=0.25)
@@ -182,12 +182,12 @@ def yielding(subject: Subject) -> Checks:
     surface = HeightField(heights=-wave.heights, lengths=wave.lengths)
     missing = _WAVE.pressure(places(n))
     # Twice what the troughs lack: they stay pressed.
-    peak, hardness = float(missing.max()), 2 * float(missing.max())
+    peak, hardness = missing.max(), 2 * missing.max()
     model = ContactModel.filled(SOFT, [Hardness(hardness=hardness)])
     pressed = subject.press(surface, hardness - _WAVE.load, model=model)
     pressure = pressed.pressure
     off = (np.abs(hardness - pressure[:, 1] - missing) / peak)[_within(n, 0.9)]
-    above = max(float(pressure.max()) / hardness - 1, 0.0)
+    above = max(pressure.max() / hardness - 1, 0.0)
     yield relative("lowest pressure over H", pressure.min() / hardness, 0.5, _second_order(n))
     yield below("mean error of H - p(x) over its peak, inside", off.mean(), _second_order(n))
     yield below("largest error of H - p(x) over its peak, inside", off.max(), 0.01)

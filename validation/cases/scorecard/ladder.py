@@ -81,7 +81,7 @@ def _means(subject: Subject, field: HeightField) -> dict[str, float]:
     moved = result.displacement - result.displacement.mean()
     return {
         "gap": result.mean_gap / rise,
-        "energy": float(np.mean(result.pressure * moved)) / (2 * rise),
+        "energy": np.mean(result.pressure * moved) / (2 * rise),
         "stiffness": 0.2 * rise / (lighter - heavier),
     }
 

@@ -174,7 +174,7 @@ class Subject:
             response=self.solver.felt(job),
             element=self.solver.score_element,
         )
-        self._costs.append((self.solver.cost(size).pairs, float(np.nan_to_num(claim.cost.cpu_seconds))))
+        self._costs.append((self.solver.cost(size).pairs, np.nan_to_num(claim.cost.cpu_seconds)))
         return Pressed(claim=claim, result=result)
 
     def _options(self, shape: Grid, more: Mapping[str, float] | None = None) -> dict[str, Any]:
