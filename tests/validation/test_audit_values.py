@@ -11,8 +11,7 @@ import xarray as xr
 from gold.asked import STUDIES
 
 from validation.audit import Ledger, dataset, values
-from validation.audit.files import page_tables
-from validation.audit.values import value_ledger
+from validation.audit.values import page_tables, value_ledger
 from validation.comparison.run import run_scene
 from validation.report.quantities import registry
 from validation.report.words import mathematics

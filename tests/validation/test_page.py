@@ -18,7 +18,7 @@ import xarray as xr
 from rich.console import Console
 from small_scene import SQUARE_CELLS, scene_of
 
-from validation.audit.files import page_tables
+from validation.audit.values import page_tables
 from validation.cli.progress import Bar
 from validation.cli.results import page_table, print_outputs, sentence_lines
 from validation.comparison.pages import result_page

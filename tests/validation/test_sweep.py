@@ -15,7 +15,7 @@ from small_scene import ONE_BODY, scene_in
 
 from fem_contact import NotConverged
 from validation.audit import audit
-from validation.audit.files import page_tables
+from validation.audit.values import page_tables
 from validation.comparison.explain import explain_sweep, problems_of, solves_of_sweep
 from validation.comparison.run import report_scene, run_scene, run_sweep
 from validation.comparison.sweep_views import sweep_views

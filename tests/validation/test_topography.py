@@ -22,8 +22,8 @@ import fem_contact as fc
 from fem_contact import HeightField, estimate_spectrum, radial_spectrum, random_surface
 from fem_contact.surface.spectra import window_weights
 from persson import SelfAffine
-from validation.audit.files import page_tables
 from validation.audit.reading import audit
+from validation.audit.values import page_tables
 from validation.comparison.explain import explain
 from validation.comparison.run import run_scene, run_sweep
 from validation.comparison.run_views import run_views

@@ -222,16 +222,10 @@ class Run:
         """Solves of the scene's own surface on one grid, of all shifts."""
         return [solve for (*on, _, k), solve in self.solves.items() if (*on, k) == (method, grid, 0)]
 
-    def residuals(self, solve: Stored, pressure: float) -> dict[str, float] | None:
-        """Return those of one solve; None under an attraction whose law is not read here."""
-        if not self.adhesive:
-            return solve.residuals
-        return None if math.isnan(pressure) else solve.adhesive_residuals(pressure)
-
     def residual(self, solve: Stored) -> float:
         """Return the largest of the four residuals, of the load, too; NaN where they are not read."""
         pressure = self.pressure()
-        residuals = self.residuals(solve, pressure) or {"": math.nan}
+        residuals = solve.residuals(pressure) or {"": math.nan}
         if self.adhesive or self.holds_distance or math.isnan(pressure):
             return max(residuals.values())
         return max(*residuals.values(), abs(solve.mean_pressure - pressure) / pressure)

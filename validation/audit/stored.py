@@ -96,6 +96,8 @@ class Stored:
         self.bound = fields["at_bound"] == 1
         self.weights = fields.get("weights", np.ones(self.p.shape))
         self.method = str(self.recipe["method"])
+        #: Shares of the nominal area in contact, and at the pressure bound.
+        self.pixel, self.plastic = self.mean(self.contact), self.mean(self.bound)
         #: Whether its surroundings are free, not periodic.
         self.free = self.provenance.get("method", "").endswith("free surroundings")
         #: Points along x and y, their number, the spacing [m], and the shift in parts of a cell.
@@ -123,11 +125,6 @@ class Stored:
         return moments(self.h + (x[:, None] ** 2 + y[None, :] ** 2) / (2 * radius), self.lengths)
 
     @cached_property
-    def pixel(self) -> float:
-        """Contact points by weight over all."""
-        return self.mean(self.contact)
-
-    @cached_property
     def edges(self) -> float:
         """Cell edges between contact and none, over the number of cells."""
         c = self.contact
@@ -147,11 +144,6 @@ class Stored:
         return square and self.method in _LOCATING and not self.effects
 
     @cached_property
-    def plastic(self) -> float:
-        """Points at the pressure bound by weight."""
-        return self.mean(self.bound)
-
-    @cached_property
     def density_at_zero(self) -> float:
         """Share below eps = 0.2 E* h' sqrt(dx / l), l = 2 pi sqrt(m2 / m4), over eps; times E* h'."""
         if self.free:
@@ -164,14 +156,25 @@ class Stored:
             return math.nan
         return self.mean(self.contact & (self.p < eps)) / eps * stress
 
-    def adhesive_residuals(self, pressure: float) -> dict[str, float] | None:
-        """Return the four residuals under attraction at a load [Pa]; None where its law is not read here.
+    def residuals(self, pressure: float) -> dict[str, float] | None:
+        """Return the residuals, dimensionless, at a load [Pa]; None under a law that is not read here.
 
-        The wall alone must push, p + attraction(g) >= 0, and only where the gap is closed; what has yielded
-        carries H.
+        Under attraction the wall alone must push, p + attraction(g) >= 0, and only where the gap is closed;
+        what has yielded carries H.
         """
+        if "adhesion" in self.effects:
+            return self._adhesive_residuals(pressure)
+        height, stress = np.std(self.h), self.modulus * math.sqrt(self.moments[1])
+        force, closed = self.weights * self.p, np.where(self.bound, 0.0, self.gap)
+        return {
+            "penetration": max(0.0, -closed.min()) / height,
+            "tension": max(0.0, -self.p.min()) / stress,
+            "complementarity": float(np.sum(np.abs(force * closed)) / (np.sum(np.abs(force)) * height)),
+        }
+
+    def _adhesive_residuals(self, pressure: float) -> dict[str, float] | None:
         adhesion = self.effects["adhesion"]
-        if adhesion.get("law", "exponential") != "exponential":
+        if adhesion.get("law", "exponential") != "exponential" or math.isnan(pressure):
             return None
         strength = adhesion["work"] / adhesion["reach"]
         off = wall = self.p + strength * np.exp(-np.maximum(self.gap, 0.0) / adhesion["reach"])
@@ -184,17 +187,6 @@ class Stored:
             "tension": max(0.0, -wall.min()) / (self.modulus * math.sqrt(self.moments[1])),
             "complementarity": np.mean(np.abs(off * self.gap)) / (stress * height),
             "load": abs(self.mean_pressure - pressure) / stress,
-        }
-
-    @cached_property
-    def residuals(self) -> dict[str, float]:
-        """The four residuals, dimensionless; the load is the one the recipe asks for."""
-        height, stress = np.std(self.h), self.modulus * math.sqrt(self.moments[1])
-        force, closed = self.weights * self.p, np.where(self.bound, 0.0, self.gap)
-        return {
-            "penetration": max(0.0, -closed.min()) / height,
-            "tension": max(0.0, -self.p.min()) / stress,
-            "complementarity": float(np.sum(np.abs(force * closed)) / (np.sum(np.abs(force)) * height)),
         }
 
     @cached_property

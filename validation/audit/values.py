@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import html
 import math
 import re
 from collections.abc import Collection, Mapping
@@ -12,7 +13,6 @@ import numpy as np
 import pint
 
 from validation.audit.dataset import Lines, Result, Variables, ordered
-from validation.audit.files import page_tables
 from validation.audit.ledger import Ledger, as_number
 from validation.audit.reductions import SOURCES, errors_of, recomputed
 from validation.audit.stored import Array
@@ -20,6 +20,12 @@ from validation.audit.stored import Array
 #: Those of the step to any spectrum and period.
 _SPECTRAL = ("size", "bandwidth")
 _INTERVAL, _HOLDS = "+- (95 %)", "+- holds"
+#: Symbols as a page sets them, and as they are typed.
+_MARKS = {"±\u00a0": "+- ", "\u00a0%": " %", "\u2032": "'", "Δx": "dx", "Δγ": "Delta gamma"}
+_MARKS |= {"κ": "kappa", "σ": "sigma", "γ": "gamma"}
+_MARKS |= {"λ": "lambda", "ζ": "zeta", "α": "alpha", "μ": "mu", "ν": "nu"}
+#: Fractions in exponents have brackets, A0 and p0 no underscore.
+_SET = {r"<sup>([^<]*/[^<]*)": r"^(\1)", "<sup>": "^", r"<sub>(?=[^<\d])": "_", "(?<![Ap])<sub>": "_"}
 
 
 def value_ledger(result: Result) -> Ledger:
@@ -255,6 +261,29 @@ def _spread_out(result: Result, file: str, rows: Lines, ledger: Ledger) -> None:
         expected = _totals(result.data, base, {}) if whole else variable.values
         if expected.ndim and expected.size == len(lines) and variable.dims != (name,):
             ledger.exact(file, name, np.array([as_number(line[k]) for line in lines]), expected.ravel())
+
+
+def _plain(cell: str) -> str:
+    """Return a cell of a page as it was typed."""
+    for printed, typed in _SET.items():
+        cell = re.sub(printed, typed, cell)
+    text = html.unescape(re.sub(r"<[^>]+>", "", cell))
+    for printed, typed in _MARKS.items():
+        text = text.replace(printed, typed)
+    return text.strip()
+
+
+def page_tables(page: str) -> dict[str, tuple[list[str], list[list[str]]]]:
+    """Return the tables of a page by their titles: names of the columns, and lines of cells."""
+    found = {}
+    for title, table in re.findall(
+        r'aria-label="Table: ([^"]+)"><table[^>]*>(.*?)</table>', page, flags=re.S
+    ):
+        names = [_plain(cell) for cell in re.findall(r"<th[^>]*>(.*?)</th>", table, flags=re.S)]
+        lines = re.findall(r"<tr[^>]*>((?:<td.*?)+)</tr>", table, flags=re.S)
+        cells = [[_plain(c) for c in re.findall(r"<td[^>]*>(.*?)</td>", line, flags=re.S)] for line in lines]
+        found[html.unescape(title)] = names, cells
+    return found
 
 
 def judge_page(result: Result, ledger: Ledger) -> None:
