@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import math
-import re
 from dataclasses import dataclass, field
+from decimal import Decimal
 from typing import Any
 
 import numpy as np
-
-_NUMBER = r"[-+]?\d+(?:\.(?P<decimals>\d+))?(?:e(?P<power>[-+]?\d+))?"
 
 
 @dataclass(frozen=True)
@@ -93,14 +91,14 @@ def printed(text: str, value: float | None, *, digits: int | None = None) -> boo
     exact = as_number(value)
     if not math.isfinite(exact):
         return text in ("", "not determinable", "unknown", f"{exact}")
-    share = text.endswith("%")
-    match = re.fullmatch(_NUMBER, text.removesuffix("%").strip().replace(",", ""))
-    if match is None:
+    scale = 0.01 if text.endswith("%") else 1.0
+    try:
+        number = Decimal(text.removesuffix("%").strip().replace(",", ""))
+        unit = scale * 10.0 ** int(number.as_tuple().exponent)
+    except (ArithmeticError, ValueError):
         return False
-    scale = 0.01 if share else 1.0
-    unit = 10.0 ** (int(match["power"] or 0) - len(match["decimals"] or "")) * scale
-    if float(match[0]) == 0 and share and match["decimals"] is None:
+    if number == 0 and scale < 1 and "." not in text:
         unit = 1e-9  # percentages have two significant digits: 0 % is nothing
     if digits is not None and exact != 0:
         unit = 10.0 ** (math.floor(math.log10(abs(exact))) - digits + 1) * scale
-    return abs(float(match[0]) * scale - exact) <= 0.5 * unit * (1 + 1e-6) + 1e-14 * abs(exact)
+    return abs(float(number) * scale - exact) <= 0.5 * unit * (1 + 1e-6) + 1e-14 * abs(exact)

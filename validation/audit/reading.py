@@ -83,7 +83,10 @@ def judge_surfaces(run: Run, ledger: Ledger) -> None:
     if run.measured:
         ledger.unread.append("heights of a measured surface against its file")
         return
+    alike: dict[str, list[bytes]] = {}
     for (method, grid, shift, k), solve in run.solves.items():
+        if shift == (0.0, 0.0):
+            alike.setdefault(f"{method} {grid[0]}x{grid[1]}", []).append(solve.h.tobytes())
         if not run.resolved(solve):
             continue
         place = f"{method} {grid[0]}x{grid[1]} {shift}, surface {k}"
@@ -95,9 +98,5 @@ def judge_surfaces(run: Run, ledger: Ledger) -> None:
             moved = np.fft.ifft2(np.fft.fft2(still.h) * x[:, None] * y[None, :]).real
             misfit = np.max(np.abs(solve.h - moved)) / (np.ptp(solve.h) or 1.0)
             ledger.number(place, "heights against those moved by the shift", misfit, 0.0, atol=1e-8)
-    alike: dict[str, list[bytes]] = {}
-    for (method, grid, shift, _), solve in run.solves.items():
-        if shift == (0.0, 0.0):
-            alike.setdefault(f"{method} {grid[0]}x{grid[1]}", []).append(solve.h.tobytes())
     for place, heights in alike.items():
         ledger.same(place, "surfaces that differ", len(set(heights)), len(heights))

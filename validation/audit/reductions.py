@@ -18,7 +18,6 @@ from scipy.special import stdtrit
 
 from validation.audit import from_solves
 from validation.audit.dataset import Result, Variables, ordered, solves_in
-from validation.audit.expressions import value_of
 from validation.audit.stored import Array
 
 SOURCES = ("surfaces", "grid", "solver", "size", "bandwidth", "depth", "theory")
@@ -135,7 +134,7 @@ def _change(result: Result, name: str, variable: xr.Variable) -> xr.Variable:
 def _evaluated(expression: str, values: Variables) -> xr.Variable:
     tree = ast.parse(expression, mode="eval")
     with np.errstate(all="ignore"):
-        return xr.as_variable(value_of(tree, lambda name: values[name].astype(float)))
+        return xr.as_variable(from_solves.value_of(tree, lambda name: values[name].astype(float)))
 
 
 def _expression_errors(result: Result, variable: xr.Variable) -> dict[str, Array]:

@@ -296,24 +296,19 @@ def _judge(
     """Judge every number of one scene that follows from its fields; return which there were."""
     names = {dim: [str(name) for name in data[dim].values] for dim in ("solver", "grid", "source")}
     judged = set()
-    for name, expected, place in itertools.chain(
-        *(_of_surface(run), _of_solves(run), _of_area(run, accurate)),
-        *(_of_finest(run), _of_theory(run), _of_ensemble(run)),
-    ):
+    parts = (_of_surface(run), _of_solves(run), _of_area(run, accurate), _of_finest(run), _of_theory(run))
+    for name, expected, place in itertools.chain(*parts, _of_ensemble(run)):
         if name not in data:
             continue
         where = {d: names[d].index(k) if isinstance(k, str) else k for d, k in place.items()}
-        dims = [
-            names[d][where[d]] if d in ("solver", "grid") else f"{d} {where[d]}"
-            for d in map(str, data[name].dims)
-        ]
+        dims = [names[d][where[d]] if d in ("solver", "grid") else f"{d} {where[d]}" for d in data[name].dims]
         label = f"{name}{' of ' * bool(dims)}{' '.join(dims)}{f' at {words}' * bool(words)}"
         how = _LOOSE.get(name, {}) if accurate is None or name != "area_own_error" else {"rtol": 1e-4}
-        found = float(data[name].isel(where, missing_dims="ignore"))
         if expected is None:
             ledger.unread.append(f"data.nc: {label}")
         else:
-            ledger.number("data.nc", label, found, expected, **how)
+            found = data[name].isel(where, missing_dims="ignore").values
+            ledger.number("data.nc", label, found.item(), expected, **how)
         judged.add(name)
     return judged
 

@@ -297,10 +297,9 @@ def write_claims(
     report: bool,
 ) -> Outputs:
     """Write dataset, record and page of verdicts into a folder; without `report` numbers alone."""
-    data, asked = claims_dataset(verdicts, cards), json_ready(dict(settings))
-    return leave(
-        folder, data, claims_page, report=report, kind="claims", name=name, settings=asked, store=folder
-    )
+    data = claims_dataset(verdicts, cards)
+    asked = {"kind": "claims", "name": name, "settings": json_ready(dict(settings))}
+    return leave(folder, data, claims_page, report=report, store=folder, **asked)
 
 
 def write_scorecards(folder: Path, cards: Sequence[Scorecard], *, report: bool = True) -> Outputs:

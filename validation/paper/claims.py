@@ -141,17 +141,15 @@ def judge(application: Application, *, tell: Callable[[str], None] | None = None
         agreement = ", which agrees, too" if claim.agrees(known[0]) else ""
         literally = f"literally {known[0]:.4g}{agreement}" if inferred else ""
         note = claim.note() if callable(claim.note) else claim.note
-        rows.append(
-            {
-                "claim": f"{application.name}: {claim.text}",
-                "paper_section": claim.section,
-                "paper_convention": ("" if claim.fixed else [*conventions][best]) or "as stated",
-                "paper_verdict": verdict,
-                "paper_reason": reason,
-                "paper_note": "; ".join(filter(None, (literally, note))),
-                "computed": known[best],
-                "literal": known[0],
-                **dict(zip(STATED, claim.stated, strict=True)),
-            }
-        )
+        row = {
+            "claim": f"{application.name}: {claim.text}",
+            "paper_section": claim.section,
+            "paper_convention": ("" if claim.fixed else [*conventions][best]) or "as stated",
+            "paper_verdict": verdict,
+            "paper_reason": reason,
+            "paper_note": "; ".join(filter(None, (literally, note))),
+            "computed": known[best],
+            "literal": known[0],
+        }
+        rows.append(row | dict(zip(STATED, claim.stated, strict=True)))
     return rows

@@ -34,34 +34,18 @@ def run(output: Path, *, figures: bool = True, progress: Callable[[str], None] |
     """Recompute the paper into a folder.
 
     Files of the same names are replaced. Without `figures` claims and JSON are written alone; `progress` is
-    called with the name of each figure or claim before it is computed.
-
-    Raises
-    ------
-    OSError
-        If the folder cannot be written.
+    called with the name of each figure or claim before it is computed. An OSError where it cannot be written.
     """
     tell = progress or (lambda text: None)
     output.mkdir(parents=True, exist_ok=True)
-    curves = []
+    curves, rows = [], []
     for figure in FIGURES if figures else ():
         tell(f"figure {figure.name.replace('_', ' ')}")
         curves.append(figure.compute())
-    rows = [
-        row
-        for application in APPLICATIONS
-        for row in judge(application, tell=lambda text: tell(f"claim: {text}"))
-    ]
-    return leave(
-        output,
-        paper_dataset(rows, curves),
-        paper_page,
-        report=figures,
-        kind="paper",
-        name="reproduce",
-        settings={"figures": figures},
-        store=output,
-    )
+    for application in APPLICATIONS:
+        rows += judge(application, tell=lambda text: tell(f"claim: {text}"))
+    asked = {"kind": "paper", "name": "reproduce", "settings": {"figures": figures}}
+    return leave(output, paper_dataset(rows, curves), paper_page, report=figures, store=output, **asked)
 
 
 _COUNTED = {
@@ -74,14 +58,11 @@ _COUNTED = {
 
 def paper_dataset(rows: Sequence[Mapping[str, Any]], figures: Iterable[xr.Dataset]) -> xr.Dataset:
     """Return claims along `claim`, and the curves of figures."""
-    verdicts = [row["paper_verdict"] for row in rows]
-    data = xr.Dataset(
-        {
-            **{name: ("claim", [row[name] for row in rows]) for name in rows[0] if name != "claim"},
-            "claims_judged": float(len(rows)),
-            **{name: float(verdicts.count(words)) for name, words in _COUNTED.items()},
-        },
-        coords={"claim": [row["claim"] for row in rows]},
+    columns = {name: ("claim", [row[name] for row in rows]) for name in rows[0]}
+    verdicts = columns["paper_verdict"][1]
+    data = xr.Dataset(columns).assign(
+        claims_judged=float(len(rows)),
+        **{name: float(verdicts.count(words)) for name, words in _COUNTED.items()},
     )
     for figure in figures:
         data = data.merge(figure)
@@ -118,10 +99,7 @@ def _views(data: xr.Dataset) -> Views:
                 data,
             ),
             finding(
-                "value",
-                "Not reproduced: {each}.",
-                missed,
-                item="{claim} ({paper_section}: {paper_reason})",
+                "value", "Not reproduced: {each}.", missed, item="{claim} ({paper_section}: {paper_reason})"
             ),
         ],
         cards=[Card(question=name, answer=finding("share", form, data)) for name, form in answers.items()],
