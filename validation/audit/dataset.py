@@ -122,6 +122,22 @@ class Result:
         return self._read[key, read]
 
 
+class Reduced:
+    """A variable of a result, which says in its attributes how it was made."""
+
+    def __init__(self, result: Result, name: str) -> None:
+        self.result, self.name, self.variable = result, name, result.data[name]
+        self.attrs, self.dims = self.variable.attrs, tuple(map(str, self.variable.dims))
+
+    def __getitem__(self, key: str) -> xr.Variable:
+        """Return the variable that an attribute names."""
+        return self.result.data[self.attrs[key]]
+
+    def flag(self, key: str) -> bool:
+        """Whether an attribute is there, and not 0."""
+        return bool(int(self.attrs.get(key, 0)))
+
+
 def _bytes(path: Path, digest: str) -> bytes:
     """Return the bytes of a file that has this digest."""
     content = read_whole(path, most=_LARGEST)

@@ -19,7 +19,7 @@ import xarray as xr
 from numpy.typing import NDArray
 from scipy.special import erf
 
-from validation.audit.dataset import Result, numbers_in, ordered, solves_in
+from validation.audit.dataset import Reduced, Result, numbers_in, ordered, solves_in
 from validation.audit.limits import TRAITS, limit_over
 from validation.audit.stored import Array, Pair, Stored
 from validation.netcdf import read_dataset
@@ -51,7 +51,7 @@ def _read_along(
 
 
 def over_solves(
-    result: Result, variable: xr.Variable, read: Callable[..., Any], kind: Callable[..., Any] = read_dataset
+    one: Reduced, read: Callable[..., Any], kind: Callable[..., Any] = read_dataset
 ) -> Array | None:
     """Fill an array with what is read off the solve of each place; None where one is not to be had.
 
@@ -61,16 +61,16 @@ def over_solves(
     """
 
     def of_all(keys: list[str]) -> Any:
-        solves = [result.solve(key, kind) for key in keys]
+        solves = [one.result.solve(key, kind) for key in keys]
         values = None if any(solve is None for solve in solves) else read(*solves)
-        if "load" not in variable.dims and isinstance(values, list) and len(values) == 1:
+        if "load" not in one.dims and isinstance(values, list) and len(values) == 1:
             values = values[0]
         if values is None:
             raise LookupError(keys)
         return values
 
-    named = [solves for solves in solves_in(result.data).values() if set(solves.dims) <= set(variable.dims)]
-    made = named and _read_along(max(named, key=lambda solves: solves.ndim), variable, of_all)
+    named = [solves for solves in solves_in(one.result.data).values() if set(solves.dims) <= set(one.dims)]
+    made = named and _read_along(max(named, key=lambda solves: solves.ndim), one.variable, of_all)
     return made[0] if made and made[1].any() else None
 
 
@@ -94,19 +94,19 @@ def _resolved(solve: xr.Dataset) -> Array:
     return np.flatnonzero(solve["points_per_wave"].values >= _LEAST_POINTS * (1 - 1e-9))
 
 
-def limit(result: Result, name: str, variable: xr.Variable, *, error: bool = False) -> Array | None:
+def limit(one: Reduced, *, error: bool = False) -> Array | None:
     """Limits over the grids of each solve, or their standard errors."""
-    if variable.attrs["of"] == "subcell":
-        return over_solves(result, variable, lambda solve: [pair[int(error)] for pair in limits(solve)])
-    return over_solves(result, variable, lambda *solves: limit_over(solves)[int(error)], Stored)
+    if one.attrs["of"] == "subcell":
+        return over_solves(one, lambda solve: [pair[int(error)] for pair in limits(solve)])
+    return over_solves(one, lambda *solves: limit_over(solves)[int(error)], Stored)
 
 
-def of_field(result: Result, name: str, variable: xr.Variable) -> Array | None:
+def of_field(one: Reduced) -> Array | None:
     """Compute from the fields of each solve what the attribute ``of`` names of them."""
-    return over_solves(result, variable, lambda solve: getattr(solve, variable.attrs["of"]), Stored)
+    return over_solves(one, lambda solve: getattr(solve, one.attrs["of"]), Stored)
 
 
-def drift(result: Result, name: str, variable: xr.Variable) -> Array | None:
+def drift(one: Reduced) -> Array | None:
     """Change of each limit without its coarsest grid."""
 
     def read(solve: xr.Dataset) -> list[float]:
@@ -116,7 +116,7 @@ def drift(result: Result, name: str, variable: xr.Variable) -> Array | None:
         pairs = zip(limits(solve), limits(solve, without=1), strict=True)
         return [finer - whole for (whole, _), (finer, _) in pairs]
 
-    return over_solves(result, variable, read)
+    return over_solves(one, read)
 
 
 def second_order_step(solve: xr.Dataset, variable: xr.Variable) -> tuple[Array, Array]:
@@ -163,34 +163,34 @@ def value_of(node: ast.AST, value: Callable[[str], Any]) -> Any:
     raise LookupError(ast.dump(node))
 
 
-def read(result: Result, name: str, variable: xr.Variable) -> Array | None:
+def read(one: Reduced) -> Array | None:
     """Read off what a solve keeps, by the expression that says it."""
-    tree = ast.parse(variable.attrs["expression"], mode="eval")
+    tree = ast.parse(one.attrs["expression"], mode="eval")
 
     def read(solve: xr.Dataset) -> Any:
         numbers = {n: v.astype(float) for n, v in solve.variables.items() if v.dtype.kind in "fib"}
         return value_of(tree, {**solve.attrs, **numbers}.__getitem__)
 
-    return over_solves(result, variable, read)
+    return over_solves(one, read)
 
 
-def read_off(result: Result, name: str, variable: xr.Variable) -> Array | None:
+def read_off(one: Reduced) -> Array | None:
     """Read what solves keep or were asked under this name, where the shapes are those.
 
     Of what is said once of several solves, all must say the same: where they do not it is NaN.
     """
-    plain = name.removesuffix("_each")
-    if variable.dtype.kind not in "fib" or name.endswith(("_error", "drift")):
+    plain = one.name.removesuffix("_each")
+    if one.variable.dtype.kind not in "fib" or one.name.endswith(("_error", "drift")):
         return None
 
     def read(solve: xr.Dataset) -> Any:
         # Without "_each" it may be a mean over surfaces, which no solve has; a coordinate is never one.
-        known = solve.variables if name != plain else set(solve.coords) - set(solve.dims)
+        known = solve.variables if one.name != plain else set(solve.coords) - set(solve.dims)
         if plain in known and solve[plain].dtype.kind in "fib":
             return solve[plain].values
-        return solve.attrs.get(plain, _asked(result, solve, plain))
+        return solve.attrs.get(plain, _asked(one.result, solve, plain))
 
-    return over_solves(result, variable, read) if name != plain else _said_by_all(result, variable, read)
+    return over_solves(one, read) if one.name != plain else _said_by_all(one, read)
 
 
 def _asked(result: Result, solve: xr.Dataset, name: str) -> Any:
@@ -210,14 +210,14 @@ def _asked(result: Result, solve: xr.Dataset, name: str) -> Any:
     return found[0] if len(found) == 1 else None
 
 
-def _said_by_all(result: Result, variable: xr.Variable, read: Callable[[xr.Dataset], Any]) -> Array | None:
+def _said_by_all(one: Reduced, read: Callable[[xr.Dataset], Any]) -> Array | None:
     def of_first(keys: list[str]) -> Any:
-        solve = result.solve(keys[0])
+        solve = one.result.solve(keys[0])
         return None if solve is None else read(solve)
 
-    for _, solves in sorted(solves_in(result.data).items()):
-        made = _read_along(solves, variable, of_first)
+    for _, solves in sorted(solves_in(one.result.data).items()):
+        made = _read_along(solves, one.variable, of_first)
         # Of a place that no solve says it is not known, unless nothing stands there.
-        if made and made[1].any() and np.isnan(variable.values[~made[1]].astype(float)).all():
+        if made and made[1].any() and np.isnan(one.variable.values[~made[1]].astype(float)).all():
             return made[0]
     return None

@@ -17,7 +17,8 @@ import xarray as xr
 from scipy.special import stdtrit
 
 from validation.audit import from_solves
-from validation.audit.dataset import Result, Variables, ordered, solves_in
+from validation.audit.dataset import Reduced, Result, Variables, ordered, solves_in
+from validation.audit.from_solves import second_order_step
 from validation.audit.stored import Array
 
 SOURCES = ("surfaces", "grid", "solver", "size", "bandwidth", "depth", "theory")
@@ -26,12 +27,11 @@ NORMAL = 1.959963984540054
 
 def recomputed(result: Result, name: str) -> Array | None:
     """Return what a variable should be, in the order of its dimensions; None where it cannot be said."""
-    variable = result.data[name]
-    reduction = REDUCTIONS.get(str(variable.attrs.get("reduction", "")))
+    one = Reduced(result, name)
     try:
-        found = (reduction or from_solves.read_off)(result, name, variable)
+        found = REDUCTIONS.get(str(one.attrs.get("reduction", "")), from_solves.read_off)(one)
         if isinstance(found, xr.Variable):
-            return np.asarray(found.set_dims(variable.sizes))  # type: ignore[no-untyped-call]
+            return np.asarray(found.set_dims(one.variable.sizes))  # type: ignore[no-untyped-call]
         return found
     except (ArithmeticError, LookupError, SyntaxError, TypeError, ValueError):
         return None
@@ -39,32 +39,33 @@ def recomputed(result: Result, name: str) -> Array | None:
 
 def errors_of(result: Result, name: str) -> dict[str, Array]:
     """Return what the errors of a variable should be by source, those that can be said."""
-    variable, grid = result.data[name], None
-    kind = variable.attrs.get("reduction")
+    one, grid = Reduced(result, name), None
+    kind = one.attrs.get("reduction")
     with contextlib.suppress(ArithmeticError, LookupError, TypeError, ValueError):
         if kind == "mean":
-            return _mean_errors(result, variable)
+            return _mean_errors(one)
         if kind == "expression":
-            return _expression_errors(result, variable)
+            return _expression_errors(one)
         if kind == "power law" and not name.endswith("_factor"):
-            return {"surfaces": _power(result, variable)[1]}
+            return {"surfaces": _power(one)[1]}
         if kind == "limit":
-            grid = from_solves.limit(result, name, variable, error=True)
+            grid = from_solves.limit(one, error=True)
         if kind == "second-order limit":
-            grid = from_solves.over_solves(
-                result, variable, lambda solve: abs(from_solves.second_order_step(solve, variable)[1])
-            )
+            grid = from_solves.over_solves(one, lambda solve: abs(second_order_step(solve, one.variable)[1]))
     return {} if grid is None else {"grid": NORMAL * grid}
 
 
 # ---- means -------------------------------------------------------------------------------------------
 
 
-def _samples(result: Result, variable: xr.Variable) -> tuple[Array, Array]:
-    """Return the single values, surfaces last, and which of them were solved."""
-    each = result.data[variable.attrs["of"]]
-    dims = (*variable.dims, variable.attrs["over"])
-    return ordered(each, dims).astype(float), _there(result, each, dims)
+def _samples(one: Reduced, *, paired: bool = True) -> np.ma.MaskedArray[Any, Any]:
+    """Return the single values that were solved, surfaces last; of pairs +h and -h, their means."""
+    each, dims = one["of"], (*one.dims, one.attrs["over"])
+    values = np.ma.masked_array(ordered(each, dims).astype(float), ~_there(one.result, each, dims))
+    if not paired or not one.flag("pairs"):
+        return values
+    pairs = values.reshape(*values.shape[:-1], -1, 2)
+    return np.ma.masked_array(pairs.data.mean(axis=-1), pairs.mask.any(axis=-1))
 
 
 def _there(result: Result, each: xr.Variable, dims: tuple[Any, ...]) -> Array:
@@ -79,51 +80,38 @@ def _there(result: Result, each: xr.Variable, dims: tuple[Any, ...]) -> Array:
     return np.broadcast_to(np.arange(shape[-1]) < ordered(count, dims), shape)
 
 
-def _paired(samples: tuple[Array, Array], variable: xr.Variable) -> tuple[Array, Array]:
-    """Return the means of +h and -h where these are one sample together."""
-    values, there = samples
-    if not int(variable.attrs.get("pairs", 0)):
-        return samples
-    pairs = (*values.shape[:-1], -1, 2)
-    return values.reshape(pairs).mean(axis=-1), np.all(there.reshape(pairs), axis=-1)
-
-
-def _mean_there(values: Array, there: Array) -> Array:
+def _mean(values: np.ma.MaskedArray[Any, Any]) -> Array:
     """Mean over the last axis of what is there; NaN where one of it has no value."""
-    count = there.sum(axis=-1)
-    total = np.where(there, values, 0.0).sum(axis=-1)
-    return np.where(count > 0, total / np.maximum(count, 1), np.nan)
+    return np.asarray(np.ma.filled(values.mean(axis=-1), np.nan))
 
 
-def _mean_errors(result: Result, variable: xr.Variable) -> dict[str, Array]:
-    values, there = _samples(result, variable)
-    samples, kept = _paired((values, there), variable)
-    middle = _mean_there(samples, kept)
-    n = kept.sum(axis=-1)
-    squares = np.where(kept, (samples - middle[..., None]) ** 2, 0.0).sum(axis=-1)
-    with np.errstate(invalid="ignore", divide="ignore"):
-        half = stdtrit(np.maximum(n - 1, 1), 0.975) * np.sqrt(squares / (n - 1) / n)
-    found = {"surfaces": np.where(n > 1, half, np.nan)}
-    of, dims = variable.attrs["of"], (*variable.dims, variable.attrs["over"])
-    error, drift = (result.data.get(f"{of}_{what}") for what in ("error", "drift"))
+def _mean_errors(one: Reduced) -> dict[str, Array]:
+    samples, values = _samples(one), _samples(one, paired=False)
+    n, count = samples.count(axis=-1), np.maximum(values.count(axis=-1), 1)
+    half = stdtrit(np.maximum(n - 1, 1), 0.975) * np.ma.sqrt(samples.var(axis=-1, ddof=1) / n)
+    found = {"surfaces": np.asarray(np.ma.filled(half, np.nan))}
+    of, dims = one.attrs["of"], (*one.dims, one.attrs["over"])
+    error, drift = (one.result.data.get(f"{of}_{what}") for what in ("error", "drift"))
     if error is drift is None:
         return found
-    grid = np.zeros(middle.shape)
+
+    def mean(each: Array) -> Array:
+        return _mean(np.ma.masked_array(np.broadcast_to(each, values.shape), values.mask))
+
+    grid = np.zeros(np.shape(n))
     if error is not None:
-        grids, *each = ordered(error, ("source", *dims))[1:]
-        fewer = 1 if int(variable.attrs.get("alike", 0)) else np.maximum(there.sum(axis=-1), 1)
-        found |= {source: _mean_there(part, there) for source, part in zip(SOURCES[2:], each, strict=True)}
-        grid = _mean_there(grids**2, there) / fewer
+        grids, *parts = ordered(error, ("source", *dims))[1:]
+        found |= {source: mean(part) for source, part in zip(SOURCES[2:], parts, strict=True)}
+        grid = mean(grids**2) / (1 if one.flag("alike") else count)
     if drift is not None:
         steps = ordered(drift, dims)
-        grid = grid + _mean_there(steps, there) ** 2 + _mean_there(steps**2, there) / there.sum(axis=-1)
+        grid = grid + mean(steps) ** 2 + mean(steps**2) / count
     return {**found, "grid": np.sqrt(grid)}
 
 
-def _change(result: Result, name: str, variable: xr.Variable) -> xr.Variable:
-    attrs, along = variable.attrs, variable.attrs["along"]
-    each = result.data[attrs["of"]]
-    first, last = (int(attrs[k]) % each.sizes[along] for k in ("first", "last"))
+def _change(one: Reduced) -> xr.Variable:
+    each, along = one["of"], one.attrs["along"]
+    first, last = (int(one.attrs[k]) % each.sizes[along] for k in ("first", "last"))
     change: xr.Variable = each.isel({along: last}) / each.isel({along: first}) - 1
     return change if first != last else change * np.nan
 
@@ -137,32 +125,30 @@ def _evaluated(expression: str, values: Variables) -> xr.Variable:
         return xr.as_variable(from_solves.value_of(tree, lambda name: values[name].astype(float)))
 
 
-def _expression_errors(result: Result, variable: xr.Variable) -> dict[str, Array]:
+def _expression_errors(one: Reduced) -> dict[str, Array]:
     """Carry errors along to first order, source by source."""
-    expression, values, found = variable.attrs["expression"], result.data, {}
+    expression, values, found = one.attrs["expression"], one.result.data, {}
     names = {node.id for node in ast.walk(ast.parse(expression)) if isinstance(node, ast.Name)}
     moved = [n for n in sorted(names) if f"{n}_error" in values]
     for k, source in enumerate(SOURCES if moved else ()):
-        total = xr.zeros_like(variable, dtype=float)
+        total = xr.zeros_like(one.variable, dtype=float)
         for n in moved:
             step = values[f"{n}_error"].isel(source=k)
             up, down = (_evaluated(expression, {**values, n: values[n] + s * step}) for s in (1, -1))
             total = total + ((up - down) / 2) ** 2
-        found[source] = np.sqrt(ordered(total, variable.dims))
+        found[source] = np.sqrt(ordered(total, one.dims))
     return found
 
 
 # ---- what is fitted, and shares --------------------------------------------------------------------------
 
 
-def _power(result: Result, variable: xr.Variable) -> Array:
+def _power(one: Reduced) -> Array:
     """Exponent, half of its 95 % interval and factor of a power, by least squares."""
-    attrs = variable.attrs
-    of, x = result.data[attrs["of"]], result.data[attrs["x"]]
-    dims = (*variable.dims, *str(attrs["along"]).split())
-    y = ordered(of, dims).astype(float)
-    at = np.broadcast_to(ordered(x, dims).astype(float), y.shape)
-    y, at = (values.reshape(*values.shape[: len(variable.dims)], -1) for values in (y, at))
+    dims = (*one.dims, *str(one.attrs["along"]).split())
+    y = ordered(one["of"], dims).astype(float)
+    at = np.broadcast_to(ordered(one["x"], dims).astype(float), y.shape)
+    y, at = (values.reshape(*values.shape[: len(one.dims)], -1) for values in (y, at))
     found = np.full((3, *y.shape[:-1]), np.nan)
     for place in np.ndindex(y.shape[:-1]):
         valid = np.isfinite(y[place]) & (y[place] > 0) & np.isfinite(at[place])
@@ -178,75 +164,71 @@ def _power(result: Result, variable: xr.Variable) -> Array:
     return found
 
 
-def _share(result: Result, name: str, variable: xr.Variable) -> Array:
+def _share(one: Reduced) -> Array:
     """Share of what lies within its claim and the error of what it is compared with."""
-    of, within = (result.data[variable.attrs[key]].values for key in ("of", "within"))
-    reference = result.data["reference_each_error"].isel(source=SOURCES.index("grid")).values
+    of, within = one["of"].values, one["within"].values
+    reference = one.result.data["reference_each_error"].isel(source=SOURCES.index("grid")).values
     return np.asarray(np.mean(np.abs(of) <= np.hypot(within, reference)))
 
 
-def _line(result: Result, name: str, variable: xr.Variable) -> Array:
+def _line(one: Reduced) -> Array:
     """Limit or slope of the straight line through means along a dimension, by weighted least squares."""
-    attrs, dims = variable.attrs, tuple(map(str, variable.dims))
-    along, over = attrs["along"], attrs["over"]
-    each = result.data[attrs["of"]]
-    values = ordered(each, (*dims, along, over))
-    x = np.broadcast_to(ordered(result.data[attrs["x"]], (*dims, along)), values.shape[:-1])
-    there = _there(result, each, (*dims, along, over))
+    places = (*one.dims, one.attrs["along"])
+    dims, each = (*places, one.attrs["over"]), one["of"]
+    values, there = ordered(each, dims), _there(one.result, each, dims)
+    x = np.broadcast_to(ordered(one["x"], places), values.shape[:-1])
     found = np.full((2, *values.shape[:-2]), np.nan)
     for place in np.ndindex(values.shape[:-2]):
         groups = [row[kept] for row, kept in zip(values[place], there[place], strict=True)]
-        if int(attrs["pairs"]):
+        if one.flag("pairs"):
             groups = [(group[0::2] + group[1::2]) / 2 for group in groups]
         means = np.array([group.mean() for group in groups])
         error = np.array([math.sqrt(np.sum((g - g.mean()) ** 2) / (g.size - 1) / g.size) for g in groups])
-        if int(attrs["common"]):
+        if one.flag("common"):
             error = np.ones(means.size)
         weight = 1 / np.maximum(error, 1e-3 * error.max() + 1e-300)
         found[:, *place] = np.polyfit(x[place], means, 1, w=weight / weight.max())[::-1]
-    if attrs["reduction"] == "line slope":
+    if one.attrs["reduction"] == "line slope":
         return np.asarray(found[1])
-    reach = ordered(result.data[name.removesuffix("_limit") + "_reach"], dims)
+    reach = ordered(one.result.data[one.name.removesuffix("_limit") + "_reach"], one.dims)
     # Further off than two spans of what was measured a limit is none.
     return np.where(reach <= 2.0, found[0], np.nan)
 
 
-def _polynomial(result: Result, name: str, variable: xr.Variable) -> Array:
+def _polynomial(one: Reduced) -> Array:
     """Value at a vanishing spacing by a polynomial in a power of it, over the grids."""
-    each, dims = result.data[variable.attrs["of"]], (*variable.dims, "grid")
-    values = ordered(each, dims).astype(float)
-    spacing = ordered(result.data["spacing"], dims)
-    at = np.broadcast_to(spacing ** float(variable.attrs["power"]), values.shape)
+    values, spacing = (ordered(each, (*one.dims, "grid")) for each in (one["of"], one.result.data["spacing"]))
+    at = np.broadcast_to(spacing ** float(one.attrs["power"]), values.shape)
     grids = values.shape[-1]
-    degree = min(int(variable.attrs["degree"]), grids - 2) if grids > 2 else 1
+    degree = min(int(one.attrs["degree"]), grids - 2) if grids > 2 else 1
     rows = zip(at.reshape(-1, grids), values.reshape(-1, grids), strict=True)
     return np.reshape([np.polyfit(a, y, degree)[-1] for a, y in rows], values.shape[:-1])
 
 
-def _mean_distance(result: Result, name: str, variable: xr.Variable) -> Array:
+def _mean_distance(one: Reduced) -> Array:
     """Mean distance from 1, in logarithms, over the loads below nearly full contact."""
-    over = ordered(result.data[variable.attrs["of"]], (*variable.dims, "load")).astype(float)
-    partly = result.data["area"].values < float(variable.attrs["below"])
+    over = ordered(one["of"], (*one.dims, "load")).astype(float)
+    partly = one.result.data["area"].values < float(one.attrs["below"])
     with np.errstate(invalid="ignore", divide="ignore"):
         return np.asarray(np.abs(np.log(over[..., partly])).mean(axis=-1))
 
 
 #: By the attribute `reduction`.
-REDUCTIONS: Mapping[str, Callable[[Result, str, xr.Variable], Array | xr.Variable | None]] = {
+REDUCTIONS: Mapping[str, Callable[[Reduced], Array | xr.Variable | None]] = {
     "change": _change,
     "drift": from_solves.drift,
-    "expression": lambda result, _, one: _evaluated(one.attrs["expression"], result.data),
+    "expression": lambda one: _evaluated(one.attrs["expression"], one.result.data),
     "field": from_solves.of_field,
     "limit": from_solves.limit,
     "line limit": _line,
     "line slope": _line,
     "mean distance": _mean_distance,
-    "mean": lambda result, _, one: _mean_there(*_paired(_samples(result, one), one)),
+    "mean": lambda one: _mean(_samples(one)),
     "polynomial limit": _polynomial,
-    "power law": lambda result, name, one: _power(result, one)[2 if name.endswith("_factor") else 0],
+    "power law": lambda one: _power(one)[2 if one.name.endswith("_factor") else 0],
     "read": from_solves.read,
-    "second-order limit": lambda result, name, one: from_solves.over_solves(
-        result, one, lambda solve: sum(from_solves.second_order_step(solve, one))
+    "second-order limit": lambda one: from_solves.over_solves(
+        one, lambda solve: sum(second_order_step(solve, one.variable))
     ),
     "share": _share,
 }

@@ -303,7 +303,8 @@ def _judge(
         if name not in data:
             continue
         where = {d: names[d].index(k) if isinstance(k, str) else k for d, k in place.items()}
-        dims = [names[d][where[d]] if d in ("solver", "grid") else f"{d} {where[d]}" for d in data[name].dims]
+        along = map(str, data[name].dims)
+        dims = [names[d][where[d]] if d in ("solver", "grid") else f"{d} {where[d]}" for d in along]
         label = f"{name}{' of ' * bool(dims)}{' '.join(dims)}{f' at {words}' * bool(words)}"
         how = _LOOSE.get(name, {}) if accurate is None or name != "area_own_error" else {"rtol": 1e-4}
         if expected is None:

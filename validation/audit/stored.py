@@ -88,7 +88,7 @@ class Stored:
         self.effects: dict[str, dict[str, Any]] = {
             effect["kind"]: effect for effect in self.recipe["effects"]
         }
-        self.lengths: Pair = tuple(map(float, attrs["lengths"]))
+        self.lengths: Pair = (float(attrs["lengths"][0]), float(attrs["lengths"][1]))
         self.modulus = float(attrs["contact_modulus"])
         self.p, self.gap = fields["pressure"], fields["gap"]
         self.u, self.h = fields["displacement"], fields["heights"]
@@ -104,7 +104,7 @@ class Stored:
         self.grid: Grid = (self.p.shape[0], self.p.shape[1])
         self.cells = int(self.p.size)
         self.spacing = (self.lengths[0] / self.grid[0], self.lengths[1] / self.grid[1])
-        self.shift: Pair = tuple(map(float, self.recipe["shift"]))
+        self.shift: Pair = (float(self.recipe["shift"][0]), float(self.recipe["shift"][1]))
 
     def mean(self, values: Array) -> float:
         """Mean over the nominal area, of points by their weight."""
@@ -244,7 +244,7 @@ class Stored:
             return 0.0
         weight = np.cos(angle) ** 2
         uneven = abs(np.sum(weight * np.cos(8 * angle))) / weight.sum()
-        return min(max((uneven - _ROUGH) / (1 - _ROUGH), 0.0), 1.0)
+        return float(np.clip((uneven - _ROUGH) / (1 - _ROUGH), 0.0, 1.0))
 
     @cached_property
     def _waves(self) -> tuple[Array, Array, Array, Array]:

@@ -166,15 +166,13 @@ def _judge_listing(result: Result, file: str, names: list[str], lines: Lines, le
     """Judge a table with a row for each number that there is, each in a unit of its own."""
     header, *lines = lines
     value, unit = header.index("value"), header.index("unit")
-    single = {name: result.data[name] for name in names if name in result.data and not result.data[name].dims}
-    # Neither empty nor NaN.
-    known = {name: one for name, one in single.items() if one.item() != "" and one.item() == one.item()}
+    there = {name: result.data[name] for name in names if name in result.data and not result.data[name].dims}
+    numbers = {name: variable.values.item() for name, variable in there.items()}
+    known = {name: n for name, n in numbers.items() if n != "" and n == n}  # neither empty nor NaN
     rows: list[dict[int, Any]] = []
-    for (name, variable), line in zip(known.items(), lines, strict=False):
-        number = variable.item()
-        factor = (
-            _factor(str(variable.attrs.get("units", "1")), line[unit]) if line[unit] else 1.0
-        ) or math.nan
+    for (name, number), line in zip(known.items(), lines, strict=False):
+        plain = str(there[name].attrs.get("units", "1"))
+        factor = (_factor(plain, line[unit]) if line[unit] else 1.0) or math.nan
         rows.append({value: number if isinstance(number, str) else factor * number})
         if header[value + 1].endswith(_INTERVAL):
             rows[-1][value + 1] = factor * as_number(_total(result.data, name, {}))

@@ -244,9 +244,9 @@ def run_cases(cases: Iterable[Case], *, tell: Callable[[str], None] | None = Non
             left_out = str(problem)
         except Exception as problem:
             error = f"{type(problem).__name__}: {problem}"
-        of_case = {name: getattr(case, name) for name in ("claim", "source", "solver", "tolerance")}
-        ended = {"checks": checks, "error": error, "left_out": left_out}
-        verdict = Verdict(case=case.name, seconds=time.perf_counter() - began, **of_case, **ended)
+        ended: dict[str, Any] = {"checks": checks, "error": error, "left_out": left_out}
+        ended |= {name: getattr(case, name) for name in ("claim", "source", "solver", "tolerance")}
+        verdict = Verdict(case=case.name, seconds=time.perf_counter() - began, **ended)
         if tell is not None:
             outcome = {"holds": "passed", "FAILS": "FAILED"}.get(verdict.word, verdict.word)
             why = "" if verdict.passed else f": {verdict.why}"

@@ -112,9 +112,9 @@ def _divergence(stress: Array, step: float) -> float:
     """Largest component of div sigma on the middle of three planes."""
     middle, upwards = stress[:, :, 1], (stress[:, :, 0] - stress[:, :, 2]) / (2 * step)
     q = 2j * np.pi * np.fft.fftfreq(len(stress), 1 / len(stress))
-    waves = np.fft.fft2(middle, axes=(0, 1))
-    along_x, along_y = q[:, None, None] * waves[..., [0, 5, 4]], q[None, :, None] * waves[..., [5, 1, 3]]
-    balance = np.fft.ifft2(along_x + along_y, axes=(0, 1)).real + upwards[..., [4, 3, 2]]
+    along_x = np.fft.ifft(q[:, None, None] * np.fft.fft(middle, axis=0), axis=0).real
+    along_y = np.fft.ifft(q[None, :, None] * np.fft.fft(middle, axis=1), axis=1).real
+    balance = along_x[..., [0, 5, 4]] + along_y[..., [5, 1, 3]] + upwards[..., [4, 3, 2]]
     return float(np.max(np.abs(balance)))
 
 

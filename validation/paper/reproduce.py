@@ -60,10 +60,8 @@ def paper_dataset(rows: Sequence[Mapping[str, Any]], figures: Iterable[xr.Datase
     """Return claims along `claim`, and the curves of figures."""
     columns = {name: ("claim", [row[name] for row in rows]) for name in rows[0]}
     verdicts = columns["paper_verdict"][1]
-    data = xr.Dataset(columns).assign(
-        claims_judged=float(len(rows)),
-        **{name: float(verdicts.count(words)) for name, words in _COUNTED.items()},
-    )
+    counted = {name: float(verdicts.count(words)) for name, words in _COUNTED.items()}
+    data = xr.Dataset({**columns, "claims_judged": float(len(rows)), **counted})
     for figure in figures:
         data = data.merge(figure)
     return labelled(data)

@@ -7,6 +7,7 @@ import json
 import math
 from collections.abc import Callable, Mapping
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -44,7 +45,7 @@ class _Recorder(Bem):
     label = "Answers"
     papers = ()  # type: ignore[assignment]
     #: Problems in files ask for a load on the half-space.
-    slots = controls = frozenset()
+    slots, controls = frozenset(), frozenset()
 
     def __init__(self, points: int, folders: Mapping[tuple[object, ...], Path] | None = None) -> None:
         self.score_points = points  # type: ignore[misc]
@@ -123,7 +124,7 @@ def _problems(folder: Path, points: int, tolerance: float) -> dict[Path, Job]:
 
 def _write(folder: Path, number: int, job: Job, tolerance: float) -> None:
     field = job.field
-    numbers = {
+    numbers: dict[str, Any] = {
         "lengths_m": list(field.lengths),
         "contact_modulus_Pa": job.model.solid.contact_modulus,
         "mean_pressure_Pa": job.mean_pressure,
@@ -134,7 +135,7 @@ def _write(folder: Path, number: int, job: Job, tolerance: float) -> None:
     with atomic_path(folder / "heights.txt") as draft:
         np.savetxt(draft, field.heights, fmt="%.17g")
     with atomic_path(folder / "parameters.txt") as draft:
-        np.savetxt(draft, np.hstack([field.shape, *numbers.values()]), fmt="%.17g")
+        np.savetxt(draft, np.hstack((field.shape, *numbers.values())), fmt="%.17g")
     write_json(
         folder / "problem.json",
         {

@@ -60,7 +60,7 @@ def diagnose(subject: Subject) -> str:
 def _fitted(pressure: Array, pattern: Array) -> tuple[float, float]:
     """Return the factor of a pattern in the fluctuation of the pressure, and the part that it leaves."""
     factor = float(np.vdot(pattern, pressure) / np.vdot(pattern, pattern))
-    size = np.linalg.norm(pressure)
+    size = float(np.linalg.norm(pressure))
     return factor, float(np.linalg.norm(pressure - factor * pattern)) / size if size else 1.0
 
 
