@@ -38,8 +38,6 @@ _LOOSE = {
     }.items()
     for name in names.split()
 }
-#: Images of a source in two walls: as many as reach beyond six widths of whatever spreads between them.
-_IMAGES = 400
 
 
 def audit_run(result: Result) -> tuple[Ledger, list[Run]]:
@@ -442,7 +440,7 @@ def yielded_areas(pressure: float, *, variance: float, hardness: float) -> Pair:
     What has passed a wall is that of the source and all its images in both, of either sign.
     """
     x, width = pressure / hardness, math.sqrt(2 * variance) / hardness
-    walls = 2 * np.arange(_IMAGES)
+    walls = 2 * np.arange(2 + math.ceil(4 * np.nan_to_num(width)))  # beyond them nothing has spread
     detached = np.sum(erfc((walls + x) / width) - erfc((walls + 2 - x) / width))
     yielded = np.sum(erfc((walls + 1 - x) / width) - erfc((walls + 1 + x) / width))
     return yielded, 1 - yielded - detached

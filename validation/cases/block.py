@@ -28,11 +28,15 @@ def _rough(shape: Grid) -> HeightField:
     return random_surface(spectrum, q_short=spectrum.q_short, lengths=lengths, shape=shape, seed=31415)
 
 
-def _both_ways(element: str, shape: Grid, poisson: float) -> Checks:
+def _solved(element: str, shape: Grid, poisson: float, **settings: Any) -> block.BlockSolution:
     surface, solid = _rough(shape), Solid(young=1.0, poisson=poisson)
     load = 0.05 * solid.contact_modulus * surface.rms_gradient
-    full = block.solve(surface, solid, mean_pressure=load, method="full", element=element, tolerance=1e-11)
-    reduced = block.solve(surface, solid, mean_pressure=load, element=element, tolerance=1e-12)
+    return block.solve(surface, solid, mean_pressure=load, element=element, **settings)
+
+
+def _both_ways(element: str, shape: Grid, poisson: float) -> Checks:
+    full = _solved(element, shape, poisson, method="full", tolerance=1e-11)
+    reduced = _solved(element, shape, poisson, tolerance=1e-12)
     a, b = full.contact.checked(), reduced.contact.checked()
     forces = relative_distance(b.pressure, a.pressure)
     fields = largest_difference(reduced.field, full.field)
@@ -46,10 +50,7 @@ def _both_ways(element: str, shape: Grid, poisson: float) -> Checks:
 def _assembled() -> Checks:
     """scikit-fem's assembled matrix and pyamg find the same field under the contact forces."""
     for element, poisson, shape in (("Hex1", 0.3, (24, 16)), ("Hex2/P1disc", 0.45, (16, 12))):
-        surface, solid = _rough(shape), Solid(young=1.0, poisson=poisson)
-        load = 0.05 * solid.contact_modulus * surface.rms_gradient
-        options: dict[str, Any] = {"element": element, "modulus": _particle}
-        contact = block.solve(surface, solid, mean_pressure=load, method="full", tolerance=1e-11, **options)
+        contact = _solved(element, shape, poisson, modulus=_particle, method="full", tolerance=1e-11)
         difference = largest_difference(block.assembled_field(contact, tolerance=1e-11), contact.field)
         yield below(f"largest difference of displacement, {element}", difference, 1e-9)
 
@@ -119,6 +120,7 @@ CASES = tuple(
 
 _SOLID = Solid(young=2.0, poisson=0.3)
 _SHEAR, _BULK = 1 / 1.3, 2 / (3 * 0.4)
+_MESH: dict[str, Any] = {"depth": 0.5, "growth": 2.0}
 
 
 def _wavy(amplitude: float, points: int) -> HeightField:
@@ -138,9 +140,7 @@ def _flat() -> Checks:
     Press a block whose sides cannot move to half of Young's modulus, far from small strain.
     """
     load = 1.0
-    solution = block.solve_finite_strain(
-        _wavy(1e-9, 6), _SOLID, mean_pressure=load, depth=0.5, growth=2.0, tolerance=1e-6
-    )
+    solution = block.solve_finite_strain(_wavy(1e-9, 6), _SOLID, mean_pressure=load, tolerance=1e-6, **_MESH)
 
     def excess(j: float) -> float:
         pressure: float = _SHEAR * 2 / 3 * (j ** (1 / 3) - j ** (-5 / 3)) + _BULK * (j - 1)
@@ -158,10 +158,7 @@ def _steep() -> Checks:
     """Under steep waves forces balance, and the work of the load is the energy stored."""
     surface = _wavy(0.05, 8)
     loads = 0.2 * _SOLID.contact_modulus * surface.rms_gradient * np.array([1, 1.0005, 1.001])
-    path = [
-        block.solve_finite_strain(surface, _SOLID, mean_pressure=float(p), depth=0.5, growth=2.0)
-        for p in loads
-    ]
+    path = [block.solve_finite_strain(surface, _SOLID, mean_pressure=p, **_MESH) for p in loads.tolist()]
     last = path[-1]
     offsets = np.array([each.offset for each in path])
     work = loads[0] * offsets[0] - loads[2] * offsets[2] + (loads[1] - loads[0]) / 3 * (offsets @ [1, 4, 1])
@@ -179,12 +176,10 @@ def _limit() -> Checks:
     """At small slopes the block of finite strain is the linear one, in first order."""
     surface = _wavy(0.01, 8)
     load = 0.2 * _SOLID.contact_modulus * surface.rms_gradient
-    linear = block.solve(
-        surface, _SOLID, mean_pressure=load, method="full", depth=0.5, growth=2.0, tolerance=1e-11
-    )
+    linear = block.solve(surface, _SOLID, mean_pressure=load, method="full", tolerance=1e-11, **_MESH)
     expected = linear.contact.pressure / load
     slopes = (1e-4, 2e-4, 4e-4)
-    path = block.solve_slopes(surface, _SOLID, mean_pressure=load, slopes=slopes, depth=0.5, growth=2.0)
+    path = block.solve_slopes(surface, _SOLID, mean_pressure=load, slopes=slopes, **_MESH)
     errors = [relative_distance(each.pressure / each.mean_pressure, expected) for each in path]
     steps = [1 / h for h in slopes[::-1]]
     yield order("order in the slope", steps, errors[::-1], expected=1.0, tolerance=0.05)
