@@ -345,8 +345,9 @@ def _of_solves(run: Run) -> Expected:
         solves, at = run.shown(method, grid), {"solver": method, "grid": f"{grid[0]} x {grid[1]}"}
         if not solves:
             raise LookupError(f"no stored solve of {method} on {grid[0]} x {grid[1]}")
+        density = math.nan if run.adhesive else fmean(s.density_at_zero for s in solves)
         row: dict[str, float | None] = {
-            "density_at_zero": math.nan if run.adhesive else fmean(s.density_at_zero for s in solves),
+            "density_at_zero": density * run.modulus / run.surface_modulus,
             "shifts": len(solves),
             "resolved": float(run.resolved(solves[0])),
             "seconds": math.fsum(solve.cost["wall_seconds"] for solve in solves),
