@@ -360,7 +360,7 @@ def test_stored_fields_carry_checksums(weighted):
 
 def test_the_yielded_area_counts_each_point_by_its_weight(weighted):
     solve = Press(method="bem", grid=(16, 16), problem=realise(scene()))
-    found = Reading.of(solve, weighted, shown=False)
+    found = Reading.of(solve, weighted)
     assert found.numbers["plastic"] == pytest.approx((1.5 + 0.5 + 1.5) / 256, rel=1e-12)
 
 

@@ -5,7 +5,7 @@ import pytest
 import xarray as xr
 
 from fem_contact import block
-from validation.comparison.finite_slopes import finite_slopes
+from validation.comparison.explain import finite_slopes
 from validation.effects.base import Roughness
 from validation.measurements.common import base_case, base_surface
 from validation.measurements.measurement import grid_for

@@ -16,8 +16,8 @@ import xarray as xr
 from fem_contact.area import ContactAreas
 from fem_contact.extrapolation import LEAST_CONTACT_POINTS, Limit
 from validation.arrays import Array
-from validation.comparison.reductions import DIFFERENCES, Case, Reading, grid_name, is_adhesive, own_solves
-from validation.comparison.subsurface_stress import below
+from validation.comparison.fields import below
+from validation.comparison.reductions import DIFFERENCES, Case, Reading, grid_name, is_adhesive
 from validation.comparison.transport import passing
 from validation.comparison.treatment import about
 from validation.errors import RunFailed
@@ -51,14 +51,12 @@ def scene_data(
     """Put all solves of a scene into one dataset, beside the theory.
 
     It is over (method, grid, shift) of the scene's own surface, and (surface) of an ensemble. ``area`` is
-    that of the scene: the mean over the surfaces of an ensemble, else ``area_own``. Each result is read once;
-    what failed, and why, is a row without numbers, and `accurate` what was reached where grids were chosen
-    for it.
+    that of the scene: the mean over the surfaces of an ensemble, else ``area_own``. What failed, and why, is
+    a row without numbers, and `accurate` what was reached where grids were chosen for it.
 
     A RunFailed where no solve of its own surface succeeded, or nothing touches.
     """
-    own = set(own_solves(scene, results))
-    readings = {solve: Reading.of(solve, results[solve], shown=solve in own) for solve in results}
+    readings = {solve: Reading.of(solve, results[solve]) for solve in results}
     case = Case(scene=scene, problem=problem, results=results, readings=readings, failures=failures or {})
     if not case.own:
         raise RunFailed(case.failed)
@@ -73,7 +71,7 @@ def scene_data(
     data = _own_area(data, case)
     data = _beside_theory(data, case)
     data = _over_surfaces(data, case, accurate)
-    data = beside_each_other(data, case.own)
+    data = beside_each_other(data, case)
     data = finest_of(cost_and_orders(data))
     data = in_numbers(data, case)
     if radius := next(filter(None, (getattr(effect, "radius", None) for effect in scene.effects)), None):
@@ -94,7 +92,7 @@ def scene_data(
 
 
 def _on_grids(case: Case) -> xr.Dataset:
-    scene, problem = case.scene, case.problem
+    scene, problem, field = case.scene, case.problem, case.problem.field
     every = {grid for name in case.methods for grid in scene.methods.options(name).grids}
     grids = sorted(every, key=lambda grid: (math.prod(grid), grid))
     parts: dict[tuple[str, str, int], xr.Dataset] = {}
@@ -103,7 +101,6 @@ def _on_grids(case: Case) -> xr.Dataset:
         parts[(*place, sum(there[:2] == place for there in parts))] = reading.numbers
     names, shifts = list(map(grid_name, grids)), range(1 + max(shift for *_, shift in parts))
     each = gather(parts, solver=case.methods, grid=names, shift=shifts).drop_vars("shift")
-    field = problem.field
     data = each[["solve", "area_pixel_shift", "area_perimeter_shift", "area_located_shift"]].assign(
         points_per_wave=("grid", [problem.points_per_wave(grid) for grid in grids]),
         resolved=("grid", [float(problem.resolved_by(grid)) for grid in grids]),
@@ -134,20 +131,22 @@ def _on_grids(case: Case) -> xr.Dataset:
             data[f"{name}_error"].attrs[HOLDS] = "sub-grid positions"
     if not data.area_located.notnull().any():
         data = data.drop_vars(["area_located", "area_located_error", "area_located_shift"])
-    own = {solve: why for solve, why in case.failures.items() if solve.problem.realisation == 0}
-    if failed := {(solve.method, solve.grid): why for solve, why in own.items()}:
+    own = ((solve, why) for solve, why in case.failures.items() if solve.problem.realisation == 0)
+    if failed := {(solve.method, solve.grid): why for solve, why in own}:
         words = [[failed.get((method, grid), "") for grid in grids] for method in case.methods]
         data["failure"] = (("solver", "grid"), words)
-    count = bare(data.area_pixel_shift).count("shift")
-    data["shifts"] = count.where(count > 0)
-    data["density_at_zero"] = each["density_at_zero"].mean("shift")
-    data["residual"] = each["residual"].max("shift")
-    data["seconds"] = each["seconds"].sum("shift").where(count > 0)
-    data["unknowns"] = each["unknowns"].isel(shift=0)
     if any(effect.slot == "pressure bound" for effect in scene.effects):
-        data["area_plastic_pixel"] = each["plastic"].mean("shift")
-    load = each["mean_pressure"].mean("shift") if scene.load.held else problem.pressure
-    return data.assign(kappa_perimeter=bare(data.area_perimeter) / (load / float(data.pressure_scale)))
+        data["area_plastic_pixel"] = each.plastic.mean("shift")
+    count = bare(data.area_pixel_shift).count("shift")
+    load = each.mean_pressure.mean("shift") if scene.load.held else problem.pressure
+    return data.assign(
+        shifts=count.where(count > 0),
+        density_at_zero=each.density_at_zero.mean("shift"),
+        residual=each.residual.max("shift"),
+        seconds=each.seconds.sum("shift").where(count > 0),
+        unknowns=each.unknowns.isel(shift=0),
+        kappa_perimeter=bare(data.area_perimeter) / (load / float(data.pressure_scale)),
+    )
 
 
 def limit_of(areas: Sequence[ContactAreas]) -> Limit:
@@ -160,19 +159,17 @@ def _value_of(areas: Sequence[ContactAreas], tolerance: float) -> xr.Dataset:
     limit, grids = limit_of(areas), len({area.spacing for area in areas})
     located = all(area.subcell is not None for area in areas)
     how = "edge located inside the cells" if located else "corrected at its edge"
-    value, half, left, basis, why = math.nan, math.nan, math.nan, "no solve succeeded", ""
+    why = limit.doubt if areas else "no solve of it succeeded"
+    value, half, left, basis = math.nan, math.nan, math.nan, "no solve succeeded"
     if limit.determinable:
         value, half = limit.value, NORMAL * limit.uncertainty
         left = TOLERANCES_LEFT * tolerance * limit.value if located else math.nan
         basis = f"limit over {grids} grids, {how}"
-    elif not areas:
-        why = "no solve of it succeeded"
-    else:
+    elif areas:
         finest = min(areas, key=lambda area: area.spacing)
         there = [area for area in areas if area.spacing == finest.spacing]
         if grids == 1 or finest.pixel * finest.cells >= LEAST_CONTACT_POINTS:
             value = float(np.mean([a.perimeter if a.subcell is None else a.subcell for a in there]))
-        why = limit.doubt
         more = "the grids tell no limit"
         if grids == 1:
             more = f"a second grid of {LEAST_POINTS_PER_WAVE:g} points per shortest wave gives the limit"
@@ -181,16 +178,15 @@ def _value_of(areas: Sequence[ContactAreas], tolerance: float) -> xr.Dataset:
 
 
 def _own_area(data: xr.Dataset, case: Case) -> xr.Dataset:
-    limits_by_method = {}
+    values = {}
     for method in case.methods:
         readings = [reading for reading in case.own if reading.solve.method == method]
         good = [reading.areas for reading in readings if case.problem.resolved_by(reading.solve.grid)]
         tolerance = float(case.scene.methods.options(method).tolerance)
-        limits_by_method[method] = _value_of(good or [reading.areas for reading in readings], tolerance)
-    pressed = {reading.solve.method for reading in case.own}
-    succeeded = [name for name in case.methods if name in pressed]
-    method = next((name for name in succeeded if not limits_by_method[name].why.item()), succeeded[0])
-    every, first = gather(limits_by_method, solver=case.methods), limits_by_method[method]
+        values[method] = _value_of(good or [reading.areas for reading in readings], tolerance)
+    usual = case.own[0].solve.method  # which succeeded
+    method = next((name for name, value in values.items() if not value.why), usual)
+    every, first = gather(values, solver=case.methods), values[method]
     absent = _ABSENT if case.scene.methods.solvers[method].sinks else ABSENT
     limits = every.area.where(every.why == "")
     return data.assign(
@@ -314,18 +310,19 @@ def _surfaces(case: Case) -> xr.Dataset | None:
     return gather(parts, surface=range(len(parts)))
 
 
-def beside_each_other(data: xr.Dataset, readings: Sequence[Reading]) -> xr.Dataset:
+def beside_each_other(data: xr.Dataset, case: Case) -> xr.Dataset:
     """Put every other method beside the first, on the grids they share; how differences shrink with dx."""
     methods, grids = data.solver.values.tolist(), data.grid.values.tolist()
     if len(methods) < 2:
         return data
-    still = {(r.solve.method, r.solve.grid): r for r in readings if r.pressure is not None}
+    still = {(r.solve.method, r.solve.grid): r for r in case.own if r.solve.is_own}
     # The first method is not beside itself; where all others failed, nothing else says what is asked.
     cases = {(methods[0], grids[0]): xr.Dataset(dict.fromkeys(DIFFERENCES, math.nan))}
     for (method, grid), reading in still.items():
         if method != methods[0] and (first := still.get((methods[0], grid))) is not None:
+            pressure, beside = (case.results[each.solve].pressure for each in (reading, first))
             values = (
-                relative_distance(reading.pressure, first.pressure),
+                relative_distance(pressure, beside),
                 reading.areas.pixel / first.areas.pixel - 1,
                 reading.areas.perimeter / first.areas.perimeter - 1,
             )
@@ -378,15 +375,13 @@ def cost_and_orders(data: xr.Dataset) -> xr.Dataset:
 def finest_of(data: xr.Dataset) -> xr.Dataset:
     """Add what every method says on its finest resolved grid, or on its finest where none resolves."""
     names = {"area_pixel", "area_perimeter", "area_plastic_pixel", "residual"} & set(data)
-    chosen = []
-    for solved in data.area_pixel.notnull().values:
-        resolved = np.flatnonzero(solved & (data.resolved.values > 0))
-        candidates = resolved if resolved.size else np.flatnonzero(solved)
-        # A method that failed on every grid has NaN on the last one, too.
-        chosen.append(int(candidates[-1]) if candidates.size else -1)
-    at = xr.DataArray(chosen, dims="solver")
+    solved = bare(data.area_pixel.notnull())
+    resolved = solved & (bare(data.resolved) > 0)
+    candidates = resolved.where(resolved.any("grid"), solved)
+    # A method that failed on every grid has NaN on the last one, too.
+    at = (candidates * np.arange(1, data.sizes["grid"] + 1)).max("grid") - 1
     values = {f"{name}_finest": bare(data[name]).isel(grid=at) for name in sorted(names)}
-    return data.assign({**values, "grid_finest": ("solver", data.grid.values[chosen])})
+    return data.assign({**values, "grid_finest": ("solver", data.grid.values[at])})
 
 
 def in_numbers(data: xr.Dataset, case: Case) -> xr.Dataset:

@@ -6,7 +6,6 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -43,15 +42,14 @@ def own_solves(scene: Scene, solves: Iterable[Press]) -> list[Press]:
 
 @dataclass(frozen=True, kw_only=True)
 class Reading:
-    """What is read off one solve, so that fields are read once and let go; `pressure` where compared."""
+    """What is read off one solve, so that its fields are let go."""
 
     solve: Press
     areas: ContactAreas
     numbers: xr.Dataset
-    pressure: Any
 
     @classmethod
-    def of(cls, solve: Press, result: ContactResult, *, shown: bool) -> Reading:
+    def of(cls, solve: Press, result: ContactResult) -> Reading:
         """Read a result."""
         areas = areas_of_solve(solve, result)
         at_bound = result.at_bound if result.weights is None else result.weights * result.at_bound
@@ -70,8 +68,7 @@ class Reading:
                 "unknowns": result.cost.unknowns,
             }
         )
-        pressure = result.pressure if shown and solve.is_own else None
-        return cls(solve=solve, areas=areas, numbers=numbers, pressure=pressure)
+        return cls(solve=solve, areas=areas, numbers=numbers)
 
 
 def _density(solve: Press, result: ContactResult) -> float:
@@ -89,7 +86,7 @@ def _density(solve: Press, result: ContactResult) -> float:
 
 @dataclass(frozen=True, kw_only=True)
 class Case:
-    """A scene with its solves, each read once, and of others why they failed."""
+    """A scene with its solves, what was read of each, and of others why they failed."""
 
     scene: Scene
     problem: ContactProblem

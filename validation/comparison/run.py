@@ -15,10 +15,9 @@ import numpy as np
 import xarray as xr
 
 from validation.comparison.explain import oblong_grids, problems_of, solves_of_sweep
-from validation.comparison.fields import with_fields
+from validation.comparison.fields import with_fields, write_below
 from validation.comparison.numbers import scene_data
 from validation.comparison.pages import effects_words, result_page
-from validation.comparison.subsurface_stress import write_below
 from validation.comparison.theory_alone import theory_data
 from validation.comparison.treatment import with_treatment
 from validation.errors import RunFailed

@@ -18,7 +18,7 @@ from validation.comparison.numbers import scene_data
 from validation.comparison.reductions import DIFFERENCES, grid_name
 from validation.errors import NoLimit, UsageError
 from validation.execution.press import Press, solves_of
-from validation.notebook._tables import GridLike, as_html, checked, fast_grid, map_of, on_places
+from validation.notebook._surface import GridLike, as_html, checked, fast_grid, map_of, on_places
 from validation.report.marks import Drawing, draw
 from validation.report.quantities import in_prefixed_unit, labelled
 from validation.report.values import Value, value_of

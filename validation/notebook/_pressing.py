@@ -18,8 +18,7 @@ from validation.comparison.theory_alone import theory_data
 from validation.effects import effect_kinds
 from validation.errors import NoLimit, UsageError, did_you_mean
 from validation.notebook._contact import Contact, pressed
-from validation.notebook._surface import Surface
-from validation.notebook._tables import GridLike, Quantity, checked, fast_grid
+from validation.notebook._surface import GridLike, Quantity, Surface, checked, fast_grid
 from validation.report.values import Value, value_of
 from validation.scenes.checks import check_scene
 from validation.scenes.problem import realise

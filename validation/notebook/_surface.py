@@ -3,34 +3,29 @@
 from __future__ import annotations
 
 import hashlib
+import html
+import math
 import os
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 import xarray as xr
+from pydantic import ValidationError
+from scipy.fft import next_fast_len
 
 from fem_contact.surface import HeightField, radial_spectrum
-from validation.arrays import Pair
+from validation.arrays import Grid, Pair
+from validation.comparison.fields import MAPS, with_cells
 from validation.errors import SceneError, UsageError
-from validation.notebook._tables import (
-    GridLike,
-    Quantity,
-    as_html,
-    checked,
-    fast_grid,
-    map_of,
-    on_places,
-    pair,
-    plain,
-    shown,
-)
-from validation.report.marks import Drawing, draw
+from validation.report.marks import Drawing, Figure, Image, against, draw
+from validation.report.quantities import in_prefixed_unit, labelled
 from validation.report.values import Value
 from validation.scenes import surfaces
+from validation.scenes.mistakes import problems
 from validation.scenes.scene import sized
 from validation.scenes.tables import FileSurface, SelfAffineSurface
 from validation.scenes.tables import Surface as SurfaceTable
@@ -39,13 +34,17 @@ from validation.scenes.topography.patch import Faults, Topography
 from validation.scenes.topography.raw import check_shape, real
 from validation.scenes.topography.statistics import height_statistics
 from validation.scenes.topography.writing import heights_over_places
-from validation.units import metres, sides_of, unit_of
+from validation.units import Table, metres, sides_of, unit_of
 
 #: Share of the largest power below which there is rounding, and no wave.
 _ROUNDING = 1e-24
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+
+Quantity = float | str
+GridLike = int | Grid
+T = TypeVar("T", bound=Table)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
@@ -279,3 +278,79 @@ def _told_by(heights: Any) -> tuple[Any, Pair | None, float | None, str]:
             f"measured: heights of type {what}: {error}; give a file, a 2-D array, or a topography"
         ) from None
     return values, size, unit, what
+
+
+def plain(value: Any) -> Any:
+    """Return numbers and arrays of NumPy as those of Python, which tables are made of, without None.
+
+    >>> plain({"load": np.array([0.1, 0.2]), "seed": np.int64(3)})
+    {'load': [0.1, 0.2], 'seed': 3}
+    """
+    if hasattr(value, "magnitude") and hasattr(value, "units"):  # of pint
+        sizes, unit = np.asarray(value.magnitude), f"{value.units:~}"
+        return [f"{size} {unit}" for size in sizes.tolist()] if sizes.ndim else f"{sizes.item()} {unit}"
+    if isinstance(value, (np.ndarray, np.generic)):
+        return value.tolist()
+    if isinstance(value, Mapping):
+        return {name: plain(item) for name, item in value.items() if item is not None}
+    return [plain(item) for item in value] if isinstance(value, (list, tuple)) else value
+
+
+def checked(kind: type[T], source: str, values: Mapping[str, Any]) -> T:
+    """Return a table of what was said; None counts as not said.
+
+    Raises
+    ------
+    SceneError
+        One line for each mistake.
+    """
+    try:
+        return kind.model_validate(plain(values))
+    except ValidationError as error:
+        raise SceneError(source, problems(error)) from None
+
+
+def pair(grid: GridLike) -> Grid:
+    """Return a grid; one number stands for both sides."""
+    sides = (grid, grid) if isinstance(grid, int) else tuple(grid) if isinstance(grid, (tuple, list)) else ()
+    if len(sides) != 2 or not all(isinstance(n, int) and n > 0 for n in sides):
+        raise UsageError(f"grid = {grid!r}: give points along the sides, as 256 or (256, 128)")
+    return sides
+
+
+def fast_grid(lengths: Pair, shortest: float, points_per_wave: float) -> Grid:
+    """Return a grid of at least so many points per shortest wave, of a size that transforms quickly."""
+    spacing = shortest / points_per_wave * (1 + 1e-12)
+    nx, ny = (int(next_fast_len(math.ceil(length / spacing))) for length in lengths)
+    return nx, ny
+
+
+def shown(value: Any, unit: str = "1") -> str:
+    """Write a value of a table briefly.
+
+    >>> shown(1e-4, "m"), shown((1e-4, 2e-4)), shown("sharp")
+    ('100 um', '(0.0001, 0.0002)', 'sharp')
+    """
+    if isinstance(value, (tuple, list)):
+        return f"({', '.join(shown(item, unit) for item in value)})"
+    return in_prefixed_unit(value, unit) if isinstance(value, float) else str(value)
+
+
+def as_html(title: str, facts: Mapping[str, str]) -> str:
+    """Return a small table of facts."""
+    left = "style='text-align:left'"
+    cells = ((html.escape(name), html.escape(value)) for name, value in facts.items())
+    rows = (f"<tr><th {left}>{name}</th><td {left}>{value}</td></tr>" for name, value in cells)
+    return f"<table><caption>{html.escape(title)}</caption>{''.join(rows)}</table>"
+
+
+def on_places(data: xr.Dataset, spacing: Pair, **maps: Any) -> xr.Dataset:
+    """Add maps over x and y, the middles of cells [m], to a dataset."""
+    data = with_cells(data, next(iter(maps.values())).shape, spacing)
+    return labelled(data.assign({name: (MAPS, values) for name, values in maps.items()}))
+
+
+def map_of(name: str, caption: str, *, cmap: str = "viridis") -> Figure:
+    """Declare the figure of one map."""
+    panel = against("x", Image(name, rows="y", cmap=cmap))
+    return Figure(name.replace("_", "-"), caption, [panel])
