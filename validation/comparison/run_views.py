@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -11,13 +11,12 @@ import xarray as xr
 
 from validation.comparison.reductions import DIFFERENCES
 from validation.comparison.treatment import STATISTICS, treatment_findings, treatment_table
-from validation.report.estimates import derive, each, sources_of
+from validation.report.estimates import derive, each, sources_of, total_error
 from validation.report.findings import Finding, finding, note
-from validation.report.marks import Figure, Image, Level, Line, against
+from validation.report.marks import Image, Level, Line, against
 from validation.report.quantities import quantity
-from validation.report.table import Listing, Table
 from validation.report.values import Value, value_of
-from validation.report.views import MOST_FINDINGS, Card, Views
+from validation.report.views import MOST_FINDINGS, Card, Figure, Listing, Table, Views
 from validation.solvers import find_method
 
 _NUMBERS = (
@@ -38,7 +37,6 @@ _NOTE = (
     "largest pressure and patches dx/dx_coarse. A/A0, conductances and leaks are means over the surfaces "
     "of an ensemble."
 )
-_GRID_ROWS = ("solver", "grid")
 #: Questions that cards of runs, sweeps and the theory alone answer.
 HOW_LARGE, HOW_YIELDED = "How large is the contact? A/A0", "How much has yielded? A_pl/A0"
 HOW_FAR = "How far from Persson's theory?"
@@ -53,18 +51,12 @@ _GRIDS = (
 def run_views(data: xr.Dataset) -> Views:
     """Return what is shown of the dataset of a run."""
     return Views(
-        table=Table(
-            _GRID_ROWS,
-            (
-                *_GRID_ROWS,
-                # The best first: the last leave where there is no room for all.
-                *("area_located", "area_perimeter", "area_pixel", "kappa_perimeter", "area_plastic_pixel"),
-                *("density_at_zero", "points_per_wave", "residual", "shifts", "unknowns", "seconds"),
-                "failure",
-            ),
+        table=_on_grids(
+            # The best first: the last leave where there is no room for all.
+            *("area_located", "area_perimeter", "area_pixel", "kappa_perimeter", "area_plastic_pixel"),
+            *("density_at_zero", "points_per_wave", "residual", "shifts", "unknowns", "seconds", "failure"),
             title="Every grid",
             note=_GRIDS,
-            sparse=True,
         ),
         more=tuple(_tables(data)),
         budget=("area", "area_own", "kappa") if data.surfaces > 1 else ("area", "kappa"),
@@ -72,6 +64,11 @@ def run_views(data: xr.Dataset) -> Views:
         findings=tuple(_findings(data))[:MOST_FINDINGS],
         cards=tuple(_cards(data)),
     )
+
+
+def _on_grids(*names: str, **about: str) -> Table:
+    rows = ("solver", "grid")
+    return Table(rows, (*rows, *names), sparse=True, **about)
 
 
 def _tables(data: xr.Dataset) -> Iterator[Table | Listing]:
@@ -90,34 +87,26 @@ def _tables(data: xr.Dataset) -> Iterator[Table | Listing]:
         if apart:
             agreement = f"{apart} has a contact algorithm of its own, so agreement tests both codes; the "
             agreement += "differences include that of the discretisations."
-        yield Table(
-            _GRID_ROWS,
-            (*_GRID_ROWS, *DIFFERENCES),
+        yield _on_grids(
+            *DIFFERENCES,
             title=f"Beside {_label(data, 0)} on the same grid",
             note="Same surface, same points, same load or held distance; of the pressure the relative L2 "
             f"norm of the difference. {agreement}",
             file="methods",
-            sparse=True,
         )
     if "von_mises" in data:
-        stress = ("von_mises_reduced", "von_mises", "von_mises_depth_reduced", "von_mises_depth")
-        yield Table(
-            _GRID_ROWS,
-            (*_GRID_ROWS, *stress),
+        yield _on_grids(
+            *("von_mises_reduced", "von_mises", "von_mises_depth_reduced", "von_mises_depth"),
             title="Below the surface",
             note="The surface itself is left out, where the edges of the contact ring. The solid is "
             "elastic whatever its hardness.",
             file="below",
-            sparse=True,
         )
     if "area_each" in data:
-        names = ("area", "area_persson", "area_ratio", "rms_gradient", "failure")
-        yield Table(
-            ("surface",),
-            ("surface", *(f"{name}_each" for name in names)),
-            title="Every surface",
-            file="surfaces",
-        )
+        each_of = [
+            f"{name}_each" for name in ("area", "area_persson", "area_ratio", "rms_gradient", "failure")
+        ]
+        yield Table(("surface",), ("surface", *each_of), title="Every surface", file="surfaces")
 
 
 def _label(data: xr.Dataset, k: int) -> str:
@@ -125,51 +114,63 @@ def _label(data: xr.Dataset, k: int) -> str:
 
 
 def _cards(data: xr.Dataset) -> Iterator[Card]:
-    told = partial(finding, "value")
     several = float(data.surfaces) > 1
     basis = "mean over {surfaces} surfaces; this one {area_own}" if several else "{area_basis}"
-    yield Card(HOW_LARGE, told("{area}", data), told(basis + "; kappa = {kappa}", data))
-    area, answer = value_of(data, "area"), note("not measured")
-    half = area.error if area.error is not None and np.isfinite(area.error) else None
-    if "accuracy_asked" in data:
-        answer = told("asked {accuracy_asked:%}, reached {accuracy_reached:%~}", data)
-    elif half is not None and area.value:
-        answer = note("+- {share:.2%}", share=half / float(area.value))
+    yield _card(HOW_LARGE, "{area}", basis + "; kappa = {kappa}", data)
+    answer, held = how_sure(data)
+    scatter = "{scatter:.2%}" if several else ""
     scatter = (
-        "single surfaces scatter by {scatter:.2%}" if several else "the scatter between surfaces is unknown"
+        f"single surfaces scatter by {scatter}" if scatter else "the scatter between surfaces is unknown"
     )
-    sources = sources_of(data.area_error) or "all sources of this spectrum and period"
-    held = f"95 %: {sources}; " if half is not None else ""
-    if "treatment_spread" in data:  # the larger of the two is the answer
-        if half is None or data.treatment_spread > half / float(area.value):
-            held = f"{answer} ({held.removesuffix('; ')}); " if held else ""
-            answer = told("{treatment_spread:.2%} by treatment", data)
-            held += "other treatments of the map move the area so far; "
-        else:
-            held += "treatment of the map: {treatment_spread:.2%}; "
-    yield Card("How sure?", answer, told(held + scatter, data))
+    yield Card("How sure?", answer, finding("value", "; ".join(filter(None, (held, scatter))), data))
     if "area_excess" in data and np.isfinite(data.area_persson_own):
         basis = "theory: A/A0 = {area_persson:.4} with the realised gradient; p* = {reduced_pressure:.4}, "
         basis += "lambda_long/lambda_short = {bandwidth:.3}"
         basis += "; the +- leaves out the treatment of the map" * ("treatment_spread" in data)
-        bandwidth = float(data.wave_long / data.wave_short)
-        yield Card(HOW_FAR, told("{area_excess:+%}", data), told(basis, data, bandwidth=bandwidth))
+        bandwidth = data.assign_attrs(bandwidth=float(data.wave_long / data.wave_short))
+        yield _card(HOW_FAR, "{area_excess:+%}", basis, bandwidth)
     if "hertz_radius" in data:
-        basis = (
-            "R = {ball_radius:u}: Hertz a = {hertz_radius:u}, approach {hertz_approach:u}; here {approach:u}"
-        )
-        yield Card("Beside a smooth ball (Hertz)", told("{hertz_share} of its area", data), told(basis, data))
+        basis = "R = {ball_radius:u}: Hertz a = {hertz_radius:u}, approach {hertz_approach:u}; "
+        basis += "here {approach:u}"
+        yield _card("Beside a smooth ball (Hertz)", "{hertz_share} of its area", basis, data)
     if "area_plastic" in data:
-        at, basis = _finest(data), "{solver} on {grid}, points counted[; theory: {area_plastic_persson:.4}]"
-        yield Card(HOW_YIELDED, told("{area_plastic}", at), told(basis, at))
-    basis = "solves of this surface: {solves}, largest {unknowns_largest} unknowns"
-    basis += "; without those of the mean" if several else ""
-    shown = told(basis, data, solves=float(data.shifts.sum()))
-    spent = "{seconds_total:u}"
-    if "wall_seconds" in data:
-        spent, basis = "{wall_seconds:u}", "with all that was tried; {seconds_total:u} for this one"
-        shown = told(basis, data)
-    yield Card("What did it cost?", told(spent, data), shown)
+        basis = "{solver} on {grid}, points counted[; theory: {area_plastic_persson:.4}]"
+        yield _card(HOW_YIELDED, "{area_plastic}", basis, _finest(data))
+    spent, basis = "{wall_seconds:u}", "with all that was tried; {seconds_total:u} for this one"
+    if "wall_seconds" not in data:
+        spent, basis = "{seconds_total:u}", "solves of this surface: {solves}, largest {unknowns_largest} "
+        basis += "unknowns; without those of the mean" if several else "unknowns"
+    yield _card("What did it cost?", spent, basis, data.assign_attrs(solves=float(data.shifts.sum())))
+
+
+def _card(question: str, answer: str, basis: str, data: xr.Dataset) -> Card:
+    return Card(question, *(finding("value", form, data) for form in (answer, basis)))
+
+
+def how_sure(data: xr.Dataset, *cases: str) -> tuple[Finding, str]:
+    """Half of the interval of the area, or how far treatments move it where that is more, and its sources."""
+    errors = total_error(data, "area")
+    assert errors is not None
+    share = errors / data.area
+    answer, held = note("not measured"), ""
+    if share.notnull().any():
+        sources = dict.fromkeys(sources_of(here.area_error) for here in each(data, *cases))
+        answer = ends("+- {low:.2%}[ to {high:.2%}]", share)
+        held = f"95 %: {' or '.join(filter(None, sources)) or 'all sources of this spectrum and period'}"
+    if "accuracy_asked" in data:
+        answer = finding("value", "asked {accuracy_asked:%}, reached {accuracy_reached:%~}", data)
+    if "treatment_spread" in data and data.treatment_spread.max() <= share.max():
+        held += "; treatment of the map: {treatment_spread:.2%}" * (not cases)
+    elif "treatment_spread" in data:
+        held = f"{answer} ({held}); " * bool(held) + "other treatments of the map move the area so far"
+        answer = ends("{low:.2%}[ to {high:.2%}] by treatment", data.treatment_spread)
+    return answer, held
+
+
+def ends(form: str, values: xr.DataArray, **more: Any) -> Finding:
+    """Say the least and the largest of some values, `low` and `high`; the latter only where it is another."""
+    low, high = float(values.min()), float(values.max())
+    return finding("value", form, low=low, high=math.nan if high == low else high, **more)
 
 
 def _finest(data: xr.Dataset) -> xr.Dataset:
@@ -184,10 +185,8 @@ def _findings(data: xr.Dataset) -> Iterator[Finding]:
     yield from _area(data)
     yield from treatment_findings(data)
     yield from _theory(data)
-    if warnings := list(_warnings(data)):
-        # One of several sentences, so that none is lost.
-        form = " ".join(warning.form for warning in warnings)
-        yield note(form, **{k: v for warning in warnings for k, v in warning.values.items()})
+    if warnings := " ".join(_warnings(data)):  # one of several sentences, so that none is lost
+        yield finding("note", warnings, data)
     if "area_plastic" in data:
         text = "Yielded, A_pl/A0 = {area_plastic} by {solver} on {grid} (points counted)"
         text += "[; {area_plastic_persson:.4} by the theory]."
@@ -245,17 +244,14 @@ def _methods(data: xr.Dataset) -> Iterator[Finding]:
     if "pressure_difference" not in data:
         return
     for k in range(1, data.sizes["solver"]):
-        here = data.isel(solver=k)
-        shared = np.flatnonzero(here.pressure_difference.notnull().values)
-        if not shared.size:
-            if "failures" not in data:  # which may be of the grid they share
-                both = f"{_label(data, k)} and {_label(data, 0)}"
-                yield note(f"{both} share no grid: their pressures are not compared.")
-            continue
-        form = f"{_label(data, k)} and {_label(data, 0)} on {{grid}} differ by {{pressure_difference:.2%}} "
-        form += "in pressure (relative L2) and {area_pixel_difference:.2%} in counted area[; these shrink "
-        form += "like dx^{pressure_difference_order:.3} and dx^{area_pixel_difference_order:.3}]."
-        yield finding("order", form, here.isel(grid=int(shared[-1])))
+        here, both = data.isel(solver=k), f"{_label(data, k)} and {_label(data, 0)}"
+        if (shared := np.flatnonzero(here.pressure_difference.notnull().values)).size:
+            form = f"{both} on {{grid}} differ by {{pressure_difference:.2%}} in pressure (relative L2) and "
+            form += "{area_pixel_difference:.2%} in counted area[; these shrink like "
+            form += "dx^{pressure_difference_order:.3} and dx^{area_pixel_difference_order:.3}]."
+            yield finding("order", form, here.isel(grid=int(shared[-1])))
+        elif "failures" not in data:  # which may be of the grid they share
+            yield note(f"{both} share no grid: their pressures are not compared.")
 
 
 def _edges(data: xr.Dataset) -> Iterator[Finding]:
@@ -277,28 +273,24 @@ def _edges(data: xr.Dataset) -> Iterator[Finding]:
         )
 
 
-def _warnings(data: xr.Dataset) -> Iterator[Finding]:
+def _warnings(data: xr.Dataset) -> Iterator[str]:
     coarse = data.grid.values[data.area_pixel.notnull().any("solver").values & (data.resolved.values == 0)]
     if coarse.size:
         names = ", ".join(map(str, coarse))
-        yield note(f"Under-resolved (lambda_short <= 2 dx) and left out of every limit: {names}.")
+        yield f"Under-resolved (lambda_short <= 2 dx) and left out of every limit: {names}."
     if data.rms_gradient > 0.3:
-        form = "The gradient h'_rms = {rms_gradient:.3} is not small; all methods here assume small slopes."
-        yield finding("note", form, data)
+        yield "The gradient h'_rms = {rms_gradient:.3} is not small; all methods here assume small slopes."
     if not np.isclose(data.contact_modulus, data.surface_modulus, rtol=1e-9):
-        yield finding(
-            "note",
+        yield (
             "p* and kappa stand on E* = {contact_modulus:u} of the solid below the coating, and are no "
             "numbers of a homogeneous solid; at the surface E* = {surface_modulus:u}"
-            "[, and what the roughness feels is {felt_modulus:u}].",
-            data,
+            "[, and what the roughness feels is {felt_modulus:u}]."
         )
     if "passing_note" in data:
-        yield finding("note", "What passes: {passing_note}.", data)
+        yield "What passes: {passing_note}."
 
 
 def _what_passes(data: xr.Dataset) -> Iterator[str]:
-    """Yield a sentence for each of the quantities that a scene asks for."""
     for name in ("electrical_conductance", "thermal_conductance"):
         if name in data:
             form = f"{{{name}:p}}[, by Persson's theory {{{name}_persson:p}}]."
@@ -312,69 +304,46 @@ def _figures(data: xr.Dataset) -> Iterator[Figure]:
     yield area_figure()
     if "heights" in data:
         told = "of the map, windowed: what the theory is given" if "pixel" in data else None
-        spectra = (
-            Line("power_spectrum", joined=False, label="this surface"),
-            Line("power_spectrum_told", label=told),
-        )
+        ring, given = Line("power_spectrum", joined=False, label="this surface"), "power_spectrum_told"
+        heights = against("x", Image("heights", rows="y", cmap="gray"))
+        spectra = against("wavevector", ring, Line(given, label=told), log="xy")
         yield Figure(
-            "surface",
-            "The rough surface, and its power spectrum, ring by ring.",
-            [
-                against("x", Image("heights", rows="y", cmap="gray")),
-                against("wavevector", *spectra, log="xy"),
-            ],
+            "surface", "The rough surface, and its power spectrum, ring by ring.", [heights, spectra]
         )
         yield maps_figure(data)
     if "density_near" in data:
         yield pressure_figure(data)
     ways = ("deviation_pixel", "deviation_perimeter", "deviation_located", Level("deviation_persson"))
-    yield Figure(
-        "cost",
-        "Distance of the area from its limit over the time of the solves.",
-        [against("seconds", *ways, by="solver", y="deviation", log="xy")],
-    )
+    panel = against("seconds", *ways, by="solver", y="deviation", log="xy")
+    yield Figure("cost", "Distance of the area from its limit over the time of the solves.", [panel])
     if "plane_depth" in data:
         of = ", {solver}" * (data.sizes["solver"] > 1)
         lines = [
             Line(f"plane_stress_{which}", by="solver", look={"marker": "", "ls": ls}, label=f"{words}{of}")
             for which, words, ls in (("largest", "largest", "-"), ("rms", "root mean square", "--"))
         ]
-        yield Figure(
-            "below",
-            "Von Mises stress over depth on the finest grid: the largest on each plane, and the rms.",
-            [against("plane_depth", *lines, y="plane_stress", log="xy")],
-        )
+        words = "Von Mises stress over depth on the finest grid: the largest on each plane, and the rms."
+        yield Figure("below", words, [against("plane_depth", *lines, y="plane_stress", log="xy")])
 
 
 def area_figure() -> Figure:
     """Declare area against grid spacing: counted, corrected, located, their limit and the theory."""
     own = Level("area_own", look={"color": "black"}, label="this surface")
-    marks = (
-        "area_pixel",
-        "area_perimeter",
-        "area_located",
-        own,
-        Level("area_persson_own"),
-        Level("area_ensemble"),
-    )
-    return Figure(
-        "area",
-        "Contact area against grid spacing; coarse grids are on the right.",
-        [against("spacing", *marks, by="solver", y="area", log="x")],
-    )
+    marks = ("area_pixel", "area_perimeter", "area_located", own, Level("area_persson_own"))
+    panel = against("spacing", *marks, Level("area_ensemble"), by="solver", y="area", log="x")
+    return Figure("area", "Contact area against grid spacing; coarse grids are on the right.", [panel])
 
 
 def pressure_figure(data: xr.Dataset) -> Figure:
     """Declare P(sigma) near zero on the coarsest and the finest grid, and on the finest to its end."""
     panels = []
     for name in ("near", "wide"):
-        marks: list[Any] = []
+        marks = []
         for k in range(data.sizes["solver"]):
             there = np.flatnonzero(data[f"density_{name}"][k].notnull().any(name).values).tolist()
             # A line looks alike on both panels.
             for grid in sorted({there[0], there[-1]} if there else ()):
-                look = {"ls": "-" if grid == there[-1] else "--"}
-                at: Any = {"solver": [k], "grid": [grid]}
+                look, at = {"ls": "-" if grid == there[-1] else "--"}, {"solver": [k], "grid": [grid]}
                 marks.append(Line(f"density_{name}", by=("solver", "grid"), at=at, steps=True, look=look))
         theory = f"density_{name}_persson"
         marks.append(Line(theory, x=f"stress_{name}_exact", look={"lw": 2, "ls": "-"}))
@@ -382,11 +351,11 @@ def pressure_figure(data: xr.Dataset) -> Figure:
             panels.append(against(f"stress_{name}", *marks))
             continue
         # The tail of the theory may end hundreds of decades below what a simulation counts.
-        counted, ends = data.density_wide.where(data.density_wide > 0), dict[str, Any]()
+        counted, limits = data.density_wide.where(data.density_wide > 0), dict[str, Any]()
         if counted.notnull().any():
             most = max(float(data[y].max()) for y in ("density_wide", theory) if y in data)
-            ends = {"bottom": float(counted.min()) / 10, "top": 3 * most}
-        panels.append(against(f"stress_{name}", *marks, log="y", **ends))
+            limits = {"bottom": float(counted.min()) / 10, "top": 3 * most}
+        panels.append(against(f"stress_{name}", *marks, log="y", **limits))
     return Figure(
         "pressure-distribution",
         "Distribution of contact pressure: left near zero on the coarsest and the finest grid, where "
@@ -404,8 +373,5 @@ def maps_figure(data: xr.Dataset) -> Figure:
         difference = Image("pressure_map_difference", rows="y", cmap="RdBu_r", symmetric=True)
         title = f"{_label(data, there[1])} - {_label(data, there[0])}"
         panels.append(against("x", difference, title=title))
-    return Figure(
-        "pressure-maps",
-        f"Contact pressure on {data.attrs['map_grid']} points; white: no contact.",
-        panels,
-    )
+    caption = f"Contact pressure on {data.attrs['map_grid']} points; white: no contact."
+    return Figure("pressure-maps", caption, panels)

@@ -2,31 +2,20 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Iterator, Sequence
-from typing import Any
 
 import numpy as np
 import xarray as xr
 
 from validation.arrays import Array
-from validation.comparison.run_views import HOW_FAR, HOW_LARGE
+from validation.comparison.run_views import HOW_FAR, HOW_LARGE, ends, how_sure
 from validation.comparison.treatment import treatment_findings, treatment_table
-from validation.report.estimates import (
-    claim_surfaces,
-    derive,
-    each,
-    mean,
-    power_law,
-    ratio_of_means,
-    sources_of,
-    total_error,
-)
+from validation.report.estimates import claim_surfaces, derive, mean, power_law, ratio_of_means
 from validation.report.findings import Finding, finding, note
-from validation.report.marks import Band, Figure, Line, against
 from validation.report.quantities import in_shown_range, place_words, quantity_of
-from validation.report.table import Column, Table
-from validation.report.views import Card, Views
+from validation.report.views import Band, Card, Column, Figure, Line, Table, Views, against
 from validation.solvers import find_method
 
 #: Lines of a figure that can be told apart.
@@ -41,7 +30,6 @@ def sweep_views(data: xr.Dataset) -> Views:
     answer = _answer(data)
     methods = range(data.sizes.get("solver", 0))
     names = "area_perimeter_finest", "area_pixel_finest", "grid_finest"
-    of_methods = [Column(name, {"solver": k}) for k in methods for name in names]
     return Views(
         table=Table(
             _over(data),
@@ -54,7 +42,7 @@ def sweep_views(data: xr.Dataset) -> Views:
                 *(Column("area_plastic_pixel_finest", {"solver": k}) for k in methods),
                 *("area_plastic_persson", "area_plastic_ensemble"),
                 *(("area_ensemble",) if answer == "area" else ()),
-                *of_methods,
+                *(Column(name, {"solver": k}) for k in methods for name in names),
                 *("reduced_pressure", "pressure", "electrical_conductance", "thermal_conductance"),
                 *("leak_rate_x", "leak_rate_y", "failures"),
             ),
@@ -98,11 +86,6 @@ def _varying(data: xr.Dataset) -> list[str]:
     return [key for key in _keys(data) if len(set(data[key].values.tolist())) > 1]
 
 
-def _ends(form: str, values: xr.DataArray, **more: Any) -> Finding:
-    low, high = float(values.min()), float(values.max())
-    return finding("value", form, low=low, high=math.nan if high == low else high, **more)
-
-
 def _cards(data: xr.Dataset) -> Iterator[Card]:
     area = data[_answer(data)]
     if not area.notnull().any():
@@ -113,21 +96,12 @@ def _cards(data: xr.Dataset) -> Iterator[Card]:
         basis = f"means over {count} surfaces of each spectrum" if _several(data) else "one surface"
     yield Card(HOW_LARGE, in_shown_range(area), basis)
     if "area" in data and (data.area_error > 0).any():
-        held = dict.fromkeys(sources_of(here.area_error) for here in each(data, *_over(data)))
-        share = total_error(data, "area") / data.area
-        basis = f"95 %: {' or '.join(filter(None, held)) or 'all sources of this spectrum and period'}"
-        answer = _ends("+- {low:.2%}[ to {high:.2%}]", share)
-        if "treatment_spread" in data and data.treatment_spread.max() > share.max():
-            basis = f"{answer} ({basis}); other treatments of the map move the area so far"
-            answer = _ends("{low:.2%}[ to {high:.2%}] by treatment", data.treatment_spread)
-        yield Card("How sure?", answer, basis)
+        yield Card("How sure?", *how_sure(data, *_over(data)))
     if "scatter" in data and _several(data):
-        answer = _ends("{low:.2%}[ to {high:.2%}]", data.scatter)
-        yield Card(
-            "How far is one surface from another?", answer, "standard deviation of one over their mean"
-        )
+        what, scatter = "standard deviation of one over their mean", "{low:.2%}[ to {high:.2%}]"
+        yield Card("How far is one surface from another?", ends(scatter, data.scatter), what)
     if _known(data, "area_excess"):
-        answer = _ends("{low:+.3%}[ to {high:+.3%}]", data.area_excess)
+        answer = ends("{low:+.3%}[ to {high:+.3%}]", data.area_excess)
         yield Card(HOW_FAR, answer, "area over the theory with the realised gradient, less one")
 
 
@@ -144,13 +118,10 @@ def _findings(data: xr.Dataset) -> Iterator[Finding]:
         errors = data.area_excess_error.sel(source=["surfaces", "grid", "solver"])
         half = (errors**2).sum("source", min_count=1) ** 0.5
         judged = float((excess.notnull() & half.notnull()).sum())
-        yield _ends(
-            "The area is {low:+.3%}[ to {high:+.3%}] from Persson's theory[; in {agree} of {count} cases "
-            "with an interval the two agree within it].",
-            excess,
-            agree=float((abs(excess) <= half).sum()) if judged else math.nan,
-            count=judged,
-        )
+        agree = float((abs(excess) <= half).sum()) if judged else math.nan
+        form = "The area is {low:+.3%}[ to {high:+.3%}] from Persson's theory[; in {agree} of {count} cases "
+        form += "with an interval the two agree within it]."
+        yield ends(form, excess, agree=agree, count=judged)
     yield from treatment_findings(data)
     if "no_limit" in data and (why := list(filter(None, data.no_limit.values.ravel().tolist()))):
         count = {"missing": float(len(why)), "cases": float(data.no_limit.size)}
@@ -159,12 +130,10 @@ def _findings(data: xr.Dataset) -> Iterator[Finding]:
         yield note("Every case is one surface: the scatter between surfaces is unknown.")
     if any(data[key].attrs["key"] == "surface.hurst" for key in _varying(data)):
         yield note("Several surfaces for each H, with pairs h and -h and a budget: fem-contact study hurst.")
-    if "surface_modulus" in data and not np.allclose(
-        data.contact_modulus, data.surface_modulus, rtol=1e-9, equal_nan=True
-    ):
-        yield note(
-            "p* and kappa stand on E* of the solid below the coating: no numbers of a homogeneous solid."
-        )
+    moduli = data.contact_modulus, data.get("surface_modulus", data.contact_modulus)
+    if not np.allclose(*moduli, rtol=1e-9, equal_nan=True):
+        below = "p* and kappa stand on E* of the solid below the coating"
+        yield note(f"{below}: they are no numbers of a homogeneous solid.")
     if data.attrs.get("solves"):
         cases, solves, asked = (float(data.attrs[name]) for name in ("cases", "solves", "asked"))
         form = "Cases: {cases}; solves: {solves}"
@@ -202,13 +171,13 @@ def _along(data: xr.Dataset, key: str) -> Iterator[Finding]:
     if known.sizes[dim] < 2:
         return
     yield from _power(known, name, key, dim)
-    ends = {
+    parts = {
         f"{name}_{end}{of}": known[f"{name}{of}"].isel({dim: k}, drop=True).reset_coords(drop=True)
         for end, k in (("start", 0), ("end", -1))
         for of in ("", "_error", "_each")
         if f"{name}{of}" in known
     }
-    pair = derive(xr.Dataset(ends), change=f"{name}_end / {name}_start - 1")
+    pair = derive(xr.Dataset(parts), change=f"{name}_end / {name}_start - 1")
     if "surface" in pair.dims:
         ratio = ratio_of_means(f"{name}_end_each", f"{name}_start_each", "surface")
         pair = derive(pair, change_each=ratio)
@@ -221,16 +190,10 @@ def _along(data: xr.Dataset, key: str) -> Iterator[Finding]:
         form = where + f"by the theory goes from {{{name}_start:.4}} to {{{name}_end:.4}}."
         yield finding("value", form, pair)
         return
-    yield finding(
-        "trend",
-        where + f"{{verdict}} from {{{name}_start}} to {{{name}_end}}, by {{change:+%}}.",
-        pair,
-        by="change",
-        words={
-            "0": "does not change by more than its interval,",
-            "?": "goes, by an interval that is not known,",
-        },
-    )
+    form = where + f"{{verdict}} from {{{name}_start}} to {{{name}_end}}, by {{change:+%}}."
+    words = {"0": "does not change by more than its interval,"}
+    words |= {"?": "goes, by an interval that is not known,"}
+    yield finding("trend", form, pair, by="change", words=words)
 
 
 def _power(known: xr.Dataset, name: str, key: str, dim: str) -> Iterator[Finding]:
@@ -238,18 +201,12 @@ def _power(known: xr.Dataset, name: str, key: str, dim: str) -> Iterator[Finding
     scaled = _numeric(known, key) and not quantity_of(known, key).linear and not _is_seed(known, key)
     if scaled and known.sizes[dim] > 3 and (known[key] > 0).all():
         law = power_law(known, "exponent", of=name, x=key, along=[dim])
-        yield finding(
-            "trend",
-            f"In the mean A/A0 {{verdict}} {quantity_of(known, key).symbol}, with the exponent {{exponent}}.",
-            law,
-            by="exponent",
-            words={
-                "+": "rises as a power of",
-                "-": "falls as a power of",
-                "0": "goes as no power that its interval supports of",
-                "?": "goes as a power, of an interval that is not known, of",
-            },
-        )
+        words = {"+": "rises as a power of", "-": "falls as a power of"}
+        words |= {"0": "goes as no power that its interval supports of"}
+        words |= {"?": "goes as a power, of an interval that is not known, of"}
+        symbol = quantity_of(known, key).symbol
+        form = f"In the mean A/A0 {{verdict}} {symbol}, with the exponent {{exponent}}."
+        yield finding("trend", form, law, by="exponent", words=words)
 
 
 def _figures(data: xr.Dataset) -> Iterator[Figure]:
@@ -261,17 +218,15 @@ def _figures(data: xr.Dataset) -> Iterator[Figure]:
         "kappa": ("Contact area over reduced load", (kappa, "kappa_persson")),
         "plastic": ("Yielded area, points counted", yielded),
     }
-    for key in _varying(data):
-        for name, (words, listed) in drawn.items():
-            variables = [v for v in listed if _known(data, v)]
-            if variables:
-                yield _figure(data, key, variables, name=name, words=words)
+    for key, (name, (words, listed)) in itertools.product(_varying(data), drawn.items()):
+        if variables := [v for v in listed if _known(data, v)]:
+            yield _figure(data, key, variables, name=name, words=words)
 
 
 def _figure(data: xr.Dataset, key: str, variables: Sequence[str], *, name: str, words: str) -> Figure:
     others = [other for other in _over(data) if other not in (key, "case") and data.sizes[other] > 1]
     at: dict[str, int] = {other: data.sizes[other] // 2 for other in others[1:]}
-    marks: list[Any] = []
+    marks: list[Line | Band] = []
     along, surfaces = next(iter(others), ""), "mean over surfaces" if _several(data) else "one surface"
     count = data.sizes[along] if along else 1
     shown = np.unique(np.linspace(0, count - 1, min(count, _MOST_LINES)).round().astype(int))
@@ -288,19 +243,16 @@ def _figure(data: xr.Dataset, key: str, variables: Sequence[str], *, name: str, 
                 whose = f"{find_method(str(data.solver.values[0])).label}, {surfaces}"
             look = {"color": f"C{n}"} if along else {}
             label = ", ".join(filter(None, (whose.removesuffix(", finest"), where)))
-            marks.append(
-                Line(variable, at={**at, **here, "solver": 0}, look=look, label=label, joined=joined)
-            )
+            place = {**at, **here, "solver": 0}
+            marks.append(Line(variable, at=place, look=look, label=label, joined=joined))
     fixed = "".join(f", {place_words(data.isel({other: k}), other, data)}" for other, k in at.items())
     one = "" if _several(data) or "area" not in data else " One surface."
     scaled = _numeric(data, key) and not quantity_of(data, key).linear
     log = "x" * (scaled and _spans(data[key].values, _WIDE_X))
     log += "y" * _spans(np.concatenate([data[v].values.ravel() for v in variables]), _WIDE_Y)
-    return Figure(
-        f"{name}-against-{key.replace('_', '-')}",
-        f"{words} against {quantity_of(data, key).words}{fixed}.{one}",
-        [against(key, *marks, y=variables[0], log=log)],
-    )
+    caption = f"{words} against {quantity_of(data, key).words}{fixed}.{one}"
+    panel = against(key, *marks, y=variables[0], log=log)
+    return Figure(f"{name}-against-{key.replace('_', '-')}", caption, [panel])
 
 
 def _spans(values: Array, least: float) -> bool:

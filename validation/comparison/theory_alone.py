@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -14,10 +13,8 @@ from validation.comparison.treatment import about, doubts
 from validation.effects.base import TheoryInputs
 from validation.report.estimates import claim
 from validation.report.findings import Finding, finding, note
-from validation.report.marks import Figure, Level, Line, against
 from validation.report.quantities import in_shown_range, labelled
-from validation.report.table import Listing, Table
-from validation.report.views import Card, Views
+from validation.report.views import Card, Figure, Level, Line, Listing, Table, Views, against
 from validation.scenes.problem import ContactProblem
 from validation.scenes.scene import Scene
 from validation.solvers.theory import Answer, against_magnification, theory_words
@@ -79,38 +76,25 @@ def _at_load(answer: Answer, inputs: TheoryInputs, problem: ContactProblem) -> x
 
 def theory_views(data: xr.Dataset) -> Views:
     """Return what is shown of the theory alone."""
-    line: Any = {"by": "load", "look": {"marker": ""}}
-    yielded = Line("magnified_area_plastic", by="load", look={"marker": "", "ls": ":"})
-    area = [Line("magnified_area", **line), yielded]
+    area, yielded, work = (
+        Line(f"magnified_{name}", by="load", look={"marker": "", **look})
+        for name, look in (("area", {}), ("area_plastic", {"ls": ":"}), ("work", {}))
+    )
     flat = Level("work", label="flat surfaces", look={"color": "#666666"})
-    figures = [
-        Figure(
-            "area-against-magnification",
-            "Share of the nominal area that is in contact when roughness up to q = zeta q_L is seen, "
-            "q_L = 2 pi / L.",
-            [against("magnification", *area, log="x", bottom=0.0, top=1.05)],
-        ),
-        Figure(
-            "energy-against-magnification",
-            "Work of adhesion that is left of an interface seen at magnification zeta, after the "
-            "elastic energy of all shorter waves is paid; below zero the surfaces do not stick.",
-            [against("magnification", Line("magnified_work", **line), flat, log="x")],
-        ),
-    ]
+    areas = against("magnification", area, yielded, log="x", bottom=0.0, top=1.05)
+    shares = "Share of the nominal area that is in contact when roughness up to q = zeta q_L is seen, "
+    left = "Work of adhesion that is left of an interface seen at magnification zeta, after the "
+    left += "elastic energy of all shorter waves is paid; below zero the surfaces do not stick."
+    columns = ("pressure", "reduced_pressure", "area_ensemble", "area_plastic_ensemble", "work_left")
+    title, note = "Every load, by the theory alone", "With all roughness; no solver ran."
+    names = ("contact_modulus", "rms_height", "rms_gradient", "nayak", "work")
     return Views(
-        table=Table(
-            ("load",),
-            ("pressure", "reduced_pressure", "area_ensemble", "area_plastic_ensemble", "work_left"),
-            title="Every load, by the theory alone",
-            note="With all roughness; no solver ran.",
-        ),
-        more=(
-            Listing(
-                names=("contact_modulus", "rms_height", "rms_gradient", "nayak", "work"),
-                title="What was pressed",
-            ),
-        ),
-        figures=figures,
+        table=Table(("load",), columns, title=title, note=note),
+        more=(Listing(names=names, title="What was pressed"),),
+        figures=[
+            Figure("area-against-magnification", shares + "q_L = 2 pi / L.", [areas]),
+            Figure("energy-against-magnification", left, [against("magnification", work, flat, log="x")]),
+        ],
         findings=tuple(_findings(data)),
         cards=tuple(_cards(data)),
     )
