@@ -19,14 +19,13 @@ import xarray as xr
 from validation.errors import UsageError
 from validation.execution.results import RECORD, Outputs, Result, leave, read_results, record_of
 from validation.files import prepare_folder
-from validation.report.estimates import NORMAL, claim_surfaces, derive, each, total_error
+from validation.report.estimates import NORMAL, bare, claim_surfaces, each, total_error
 from validation.report.findings import Finding, finding, note
-from validation.report.marks import Figure, Line, against
 from validation.report.page import page_of
 from validation.report.quantities import in_prefixed_unit, labelled, place_words, quantity_of
 from validation.report.table import ResultTable, Row, WordTable, shown, value_cells
-from validation.report.values import value_of
-from validation.report.views import Card, Views
+from validation.report.values import Value, value_of
+from validation.report.views import Card, Figure, Line, Views, against
 from validation.scenes.keys import scene_keys
 from validation.units import unit_of
 
@@ -107,20 +106,16 @@ def _read(folders: Sequence[Path]) -> tuple[dict[str, Result], tuple[str, ...]]:
     for label, folder in _labels(folders).items():
         try:
             result = read_results(folder)
+            question, first = (_question(one) for one in (result, next(iter(results.values()), result)))
+            if question != first:
+                raise UsageError(f"it is a {question}, and the first is a {first}")
         except UsageError as error:
             left_out.append(f"{folder}: not compared: {str(error).removeprefix(f'{folder}: ')}")
-            continue
-        first = next(iter(results.values()), result)
-        if _question(result) != _question(first):
-            left_out.append(
-                f"{folder}: not compared: it is a {_question(result)}, and the first is a {_question(first)}"
-            )
         else:
             results[label] = result
     if len(results) < 2:
-        raise UsageError(
-            "; ".join(left_out) + "; fewer than two folders are left: name results folders of one kind"
-        )
+        why = "; ".join(left_out)
+        raise UsageError(f"{why}; fewer than two folders are left: name results folders of one kind")
     return results, tuple(left_out)
 
 
@@ -131,11 +126,8 @@ def _question(result: Result) -> str:
 
 def _labels(folders: Sequence[Path]) -> dict[str, Path]:
     """Name folders, no two of which are the same, by as much of their paths as tells them apart."""
-    for length in itertools.count(1):
-        names = {"/".join(folder.resolve().parts[-length:]): folder for folder in folders}
-        if len(names) == len(folders):
-            break
-    return names
+    named = ({"/".join(f.resolve().parts[-length:]): f for f in folders} for length in itertools.count(1))
+    return next(names for names in named if len(names) == len(folders))
 
 
 def side_by_side(results: Mapping[str, Result]) -> xr.Dataset:
@@ -163,8 +155,8 @@ def side_by_side(results: Mapping[str, Result]) -> xr.Dataset:
     parts = [part.drop_dims([dim for dim, size in part.sizes.items() if not size]) for part in parts]
     names = list(parts[0].data_vars)
     if not names:
-        shared = "their datasets share no place; compare results with common values"
-        raise UsageError(f"{', '.join(results)}: {shared}")
+        remedy = "their datasets share no place; compare results with common values"
+        raise UsageError(f"{', '.join(results)}: {remedy}")
 
     def common(attrs: Sequence[Mapping[str, Any]], context: Any = None) -> dict[str, Any]:
         # Those that all have: what does not enter one result may enter another.
@@ -173,24 +165,24 @@ def side_by_side(results: Mapping[str, Result]) -> xr.Dataset:
     data = xr.concat(parts, dim="result", combine_attrs=common, join="exact")
     data = data.assign_coords(result=list(results))
     values = [str(name) for name in names if not str(name).endswith("_error")]
-    errors = {name: data[f"{name}_error"] for name in values if f"{name}_error" in data}
-    # A source that some of them measured is in all differences: none is surer than what it is of.
-    known = data
-    for name, half in errors.items():
-        own: Any = total_error(data, name)
-        gap = half.isnull() & half.notnull().any("result") & own.notnull()
-        known = known.assign({f"{name}_error": half.where(~gap, 0.0)})
-    first = known.isel(result=0, drop=True)
-    beside = {f"{name}_first": first[name] for name in values}
-    beside |= {f"{name}_first_error": first[f"{name}_error"] for name in errors}
-    made = derive(known.assign(beside), **{f"{name}_apart": f"{name} - {name}_first" for name in values})
-    for name in values:  # What rounding leaves of a difference is none; unknown and endless ones stay.
-        difference = made[f"{name}_apart"]
-        made[f"{name}_apart"] = difference.where(~(abs(difference) < 1e-12 * abs(made[name])), 0.0)
-        made = claim_surfaces(made, f"{name}_apart", f"{name}_each_apart", of=data[name].attrs)
-    # The first is no further from itself than nothing.
-    apart = [name for name in made.data_vars if name not in data and name not in beside]
-    return labelled(data.assign(made[apart].where(made.result != made.result[0], 0.0)))
+    further = data.result != data.result[0]  # the first is no further from itself than nothing
+    apart = {}
+    for name in values:
+        difference = data[name] - data[name].isel(result=0, drop=True)
+        # What rounding leaves of a difference is none; unknown and endless ones stay.
+        there = further & ~(abs(difference) < 1e-12 * abs(data[name]))
+        apart[f"{name}_apart"] = bare(difference.where(there, 0.0))
+        if f"{name}_error" in data:
+            half, own = data[f"{name}_error"], total_error(data, name)
+            # A source that some of them measured is in all differences: none is surer than what it is of.
+            gap: Any = half.isnull() & half.notnull().any("result") & own.notnull()  # type: ignore[union-attr]
+            half = half.where(~gap, 0.0)
+            both = (half**2 + half.isel(result=0, drop=True) ** 2) ** 0.5
+            apart[f"{name}_apart_error"] = bare(both.where(further, 0.0), **half.attrs)
+    data = data.assign(apart)
+    for name in values:
+        data = claim_surfaces(data, f"{name}_apart", f"{name}_each_apart", of=data[name].attrs)
+    return labelled(data)
 
 
 def _placed(data: xr.Dataset) -> xr.Dataset:
@@ -334,46 +326,37 @@ def _findings(data: xr.Dataset, differ: Mapping[str, Sequence[str]]) -> Iterator
 def _farthest(data: xr.Dataset, name: str, k: int) -> Finding:
     """Say how far a result is from the first in one quantity, where that is most for its interval."""
 
-    def errors_apart(here: xr.Dataset) -> tuple[bool, float]:
+    def rank(apart: Value) -> tuple[bool, float]:
         """Difference over its error, by which places are ranked; those without an error come last."""
-        apart = value_of(here.isel(result=k), f"{name}_apart")
         far, sure = abs(float(apart.value)), apart.error is not None and np.isfinite(apart.error)
         if far == 0 or not sure:
             return bool(sure), far
         return True, far / apart.error if apart.error else np.inf
 
-    places = list(_places(data, name))
-    what, first, other = quantity_of(data, name), *(str(data.result.values[j]) for j in (0, k))
+    places, what = list(_places(data, name)), quantity_of(data, name)
     symbol = ", ".join(filter(None, (what.symbol, what.which)))
     if not places:
         return note("{symbol}: no value in common.", symbol=symbol)
-    ranks = [errors_apart(here) for _, here in places]
-    place, here = places[ranks.index(max(ranks))]
-    at = f" ({place})" if place else ""
-    apart = value_of(here.isel(result=k), f"{name}_apart")
+    names = {"symbol": symbol, **{n: str(data.result.values[j]) for n, j in (("first", 0), ("other", k))}}
+    differences = [value_of(here.isel(result=k), f"{name}_apart") for _, here in places]
+    if all(apart.value == 0 for apart in differences):
+        return note("{symbol}: {other} and {first} agree to the last digit.", **names)
+    apart = max(differences, key=rank)
+    place, here = places[differences.index(apart)]
     # The worst of many places is far for an interval of one.
     most = float(scipy.special.ndtri(1 - 0.025 / len(places))) / NORMAL
-    values: dict[str, Any] = {
-        "mine": value_of(here.isel(result=k), name),
-        "its": value_of(here.isel(result=0), name),
-        "apart": apart,
-        "joint": replace(apart, error=None if apart.error is None else most * apart.error),
-        "places": float(len(places)) if len(places) > 1 else math.nan,
-    }
-    if all(far == 0 for _, far in ranks):
-        return note(
-            "{symbol}: {other} and {first} agree to the last digit.", symbol=symbol, other=other, first=first
-        )
     return finding(
         "agreement",
         "{symbol}{place}: {other} has {mine:p} and {first} {its:p}; they {verdict} (difference "
         "{apart:+p}[, of {places} places the one where it is largest for its interval]).",
         by="joint",
-        symbol=symbol,
-        place=at,
-        other=other,
-        first=first,
-        **values,
+        place=f" ({place})" if place else "",
+        mine=value_of(here.isel(result=k), name),
+        its=value_of(here.isel(result=0), name),
+        apart=apart,
+        joint=replace(apart, error=None if apart.error is None else most * apart.error),
+        places=float(len(places)) if len(places) > 1 else math.nan,
+        **names,
     )
 
 
@@ -386,10 +369,7 @@ def _figures(data: xr.Dataset) -> Iterator[Figure]:
             continue
         rest = {dim: data.sizes[dim] // 2 for dim in dims if dim != axes[0]} if axes else {}
         place = ", ".join(_place(data.isel({dim: k}), dim, data) for dim, k in rest.items())
-        marks = [Line(name, by="result" if axes else (), at=rest, joined=bool(axes))]
         x = axes[0] if axes else "result"
-        yield Figure(
-            name.replace("_", "-"),
-            f"Of every result: {quantity_of(data, name).meaning}{place and f' ({place})'}.",
-            [against(x, *marks)],
-        )
+        line = Line(name, by="result" if axes else (), at=rest, joined=bool(axes))
+        caption = f"Of every result: {quantity_of(data, name).meaning}{place and f' ({place})'}."
+        yield Figure(name.replace("_", "-"), caption, [against(x, line)])
