@@ -48,9 +48,8 @@ def parse_accuracy(text: str) -> float:
     match = re.fullmatch(r"\s*((?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(%?)\s*", text)
     value = float(match[1]) / (100 if match[2] else 1) if match else math.nan
     if not 0 < value <= 0.5:
-        raise UsageError(
-            f"--accuracy = {text!r}: must be a share such as 1% or 0.01, above 0 and at most 50%"
-        )
+        allowed = "a share such as 1% or 0.01, above 0 and at most 50%"
+        raise UsageError(f"--accuracy = {text!r}: must be {allowed}")
     if value > 0.1 and match and not match[2]:
         raise UsageError(f"--accuracy = {text!r}: is that {value:g}% or {100 * value:g}%? say which")
     return value
@@ -103,10 +102,9 @@ class AccuracyResult(Single):
             f"shift{'s' if self.shifts > 1 else ''} each, solved to {self.tolerance:g}."
         )
         for other in self.beside:
-            answer = f"no limit: {other.doubt}"
-            if not other.doubt:
-                answer = f"A/A0 = {other.area:.6g} +- {percent(other.error)} (95 %: grid; limit of the area "
-                answer += f"{edge[other.located]}), {100 * (other.area / self.area - 1):+.2g} % from it"
+            answer = f"A/A0 = {other.area:.6g} +- {percent(other.error)} (95 %: grid; limit of the area "
+            answer += f"{edge[other.located]}), {100 * (other.area / self.area - 1):+.2g} % from it"
+            answer = f"no limit: {other.doubt}" if other.doubt else answer
             yield f"Beside it {other.label} on {grid_words(other.grids)}: {answer}."
         if (mean := self.ensemble) is not None:
             area, half = mean.estimate.value, mean.estimate.half_width
@@ -171,26 +169,18 @@ def reach(scene: Scene, bench: Bench, *, target: float, time_limit: float | None
         raise UsageError("ensemble: --accuracy draws as many surfaces as it takes, not maps; remove it")
     for k, effect in enumerate(scene.effects):
         if effect.slot not in _LAWFUL:
-            raise UsageError(
-                f"--accuracy: the law of error is not known with {effect_key(k, 'kind')} = {effect.kind!r}; "
-                "leave --accuracy out and refine by hand"
-            )
-    metered = Metered(
-        store=bench.store,
-        execution=bench.execution,
-        progress=bench.progress,
-        wanted=f"--accuracy = {100 * target:g} %",
-        time_limit=time_limit,
-    )
+            why = f"the law of error is not known with {effect_key(k, 'kind')} = {effect.kind!r}"
+            raise UsageError(f"--accuracy: {why}; leave --accuracy out and refine by hand")
+    shared = {name: getattr(bench, name) for name in ("store", "execution", "progress")}
+    metered = Metered(**shared, wanted=f"--accuracy = {100 * target:g} %", time_limit=time_limit)
     search = Search(scene=scene, problem=problem, target=target, bench=metered)
     search.reserve()
     single, account = search.own_surface(), metered.account
-    beside = search.beside()
     return AccuracyResult(
         **vars(single),
         target=target,
         tolerance=search.tolerance,
-        beside=beside,
+        beside=search.beside(),
         ensemble=None if scene.ensemble is None else search.ensemble(single),
         solves=len(account.done),
         seconds=metered.spent,

@@ -137,14 +137,13 @@ class Metered(Bench):
         account.done |= set(missing)
         if not missing:
             return super().solve(wanted, despite_failures=despite_failures)
-        if not self.affordable(sum(map(self.seconds, missing))):
-            raise RunFailed(
-                f"{self.wanted}: solves take longer here than predicted, {missing[0].describe()} would not "
-                f"end in time, and {self.means()}; all finished solves are stored: allow more with "
-                f"--time-limit"
-            )
+        seconds = sum(map(self.seconds, missing))
+        if not self.affordable(seconds):
+            late = f"solves take longer here than predicted, {missing[0].describe()} would not end in time"
+            remedy = "all finished solves are stored: allow more with --time-limit"
+            raise RunFailed(f"{self.wanted}: {late}, and {self.means()}; {remedy}")
         warm_up(missing)  # not charged to the solves, whose time tells how fast the machine is
-        account.predicted += sum(map(self.seconds, missing)) / self.execution.workers
+        account.predicted += seconds / self.execution.workers
         start = time.perf_counter()
         results = super().solve(wanted, despite_failures=despite_failures)
         account.solving += time.perf_counter() - start
@@ -162,7 +161,7 @@ def _kind(solve: Solve) -> str:
 
 
 def grid_words(grids: Sequence[Grid]) -> str:
-    """Name grids in words."""
+    """Name grids."""
     return ", ".join(map(grid_name, grids))
 
 
@@ -252,8 +251,7 @@ class Search:
 
     def own_surface(self) -> Single:
         """Solve the scene's own surface to the accuracy."""
-        first = self.shared or (self._grid(4),)
-        known = min(self._solved(self._jobs(first, 1)), key=lambda area: area.spacing)
+        known = min(self._solved(self._jobs(self.shared or (self._grid(4),), 1)), key=lambda a: a.spacing)
         tried: set[Grids] = set()
         while True:
             ladder = self._cheapest(self._ladders(known), tried, share=_SPARE)
@@ -319,17 +317,16 @@ class Search:
                     limit = limit_over([self.areas[solve] for solve in resolved])
             except RunFailed as error:  # it does not keep the others from being heard
                 limit = no_limit(str(error))
-            others.append(
-                Beside(
-                    method=name,
-                    label=solves[0].solver.label,
-                    grids=tuple(dict.fromkeys(solve.grid for solve in solves)),
-                    area=limit.value,
-                    error=2 * limit.uncertainty / limit.value,
-                    located=limit.definition == "subcell",
-                    doubt=limit.doubt,
-                )
+            beside = Beside(
+                method=name,
+                label=solves[0].solver.label,
+                grids=tuple(dict.fromkeys(solve.grid for solve in solves)),
+                area=limit.value,
+                error=2 * limit.uncertainty / limit.value,
+                located=limit.definition == "subcell",
+                doubt=limit.doubt,
             )
+            others.append(beside)
         return tuple(others)
 
     def reserve(self) -> None:
@@ -341,10 +338,9 @@ class Search:
             costs = [solve.predict(pair_seconds=self.bench.pair) for solve in solves]
             seconds, peak = sum(cost.seconds for cost in costs), max(cost.peak_bytes for cost in costs)
             if not self.bench.affordable(seconds, peak):
-                raise UsageError(
-                    f"{self.bench.wanted}: methods.{name} needs about {memory_words(peak)} and {seconds:.2g} "
-                    f"s on its own grids, and {self.bench.means()}; name coarser ones, or leave it out"
-                )
+                needs = f"needs about {memory_words(peak)} and {seconds:.2g} s on its own grids"
+                remedy = f"{self.bench.means()}; name coarser ones, or leave it out"
+                raise UsageError(f"{self.bench.wanted}: methods.{name} {needs}, and {remedy}")
             self.bench.account.reserved += seconds / self.bench.execution.workers
 
     def _watch(self, ensemble: MeanArea, solves: Sequence[Call]) -> None:
@@ -355,13 +351,11 @@ class Search:
         seconds = sum(map(self.bench.seconds, solves))
         pairs = sum(call["count"] for call in solves if call.measurement is area_pairs)
         surfaces = ensemble.surfaces + 2 * pairs
-        if self.bench.affordable(seconds) and surfaces <= _MOST_SURFACES:
-            self._foretell(f"{surfaces} surfaces for the mean", seconds)
-            return
-        raise RunFailed(
-            f"{self._known(ensemble)}; it needs about {significant(seconds, 2)} s more, or more than "
-            f"{_MOST_SURFACES} surfaces, and {self.bench.means()}; all solves are stored"
-        )
+        if not self.bench.affordable(seconds) or surfaces > _MOST_SURFACES:
+            needs = f"about {significant(seconds, 2)} s more, or more than {_MOST_SURFACES} surfaces"
+            means = f"{self.bench.means()}; all solves are stored"
+            raise RunFailed(f"{self._known(ensemble)}; it needs {needs}, and {means}")
+        self._foretell(f"{surfaces} surfaces for the mean", seconds)
 
     def _foretell(self, what: str, seconds: float) -> None:
         each = seconds / self.bench.execution.workers
@@ -400,10 +394,8 @@ class Search:
             yield self._planned(grids, 1, known)
 
     def _planned(self, grids: Grids, shifts: int, known: ContactAreas) -> Ladder:
-        plan = [
-            PlannedGrid(spacing=self.problem.spacing(grid), cells=math.prod(grid), solves=shifts**2)
-            for grid in grids
-        ]
+        spacing, solves = self.problem.spacing, shifts**2
+        plan = [PlannedGrid(spacing=spacing(g), cells=math.prod(g), solves=solves) for g in grids]
         area = known.pixel if known.subcell is None else known.subcell
         claim = 2 * predicted_uncertainty(known, plan) / max(area, known.cell_share)
         for grid in grids:
@@ -415,7 +407,7 @@ class Search:
             grids=grids,
             shifts=shifts,
             error=self.doubt * claim + self.left,
-            seconds=shifts**2 * sum(self.costs[grid].seconds for grid in grids),
+            seconds=solves * sum(self.costs[grid].seconds for grid in grids),
             peak_bytes=max(self.costs[grid].peak_bytes for grid in grids),
         )
 
@@ -424,19 +416,17 @@ class Search:
         affordable = [ladder for ladder in left if self.bench.affordable(ladder.seconds, ladder.peak_bytes)]
         enough = [ladder for ladder in left if ladder.error <= share * self.target]
         good = sorted(enough, key=lambda ladder: ladder.seconds)
-        for ladder in good:
-            if ladder in affordable:
-                return ladder
+        if chosen := next((ladder for ladder in good if ladder in affordable), None):
+            return chosen
         reachable = [ladder.error for ladder in affordable if np.isfinite(ladder.error)]
         best = f"about {percent(min(reachable) / share)}" if reachable else "nothing"
         needs = f"needs more than {_LEVELS[-1]} points per shortest wave"
         if good:
             memory, seconds = memory_words(good[0].peak_bytes), good[0].seconds
             needs = f"needs about {memory} and {seconds:.2g} s ({grid_words(good[0].grids)})"
-        raise UsageError(
-            f"{self.bench.wanted}: {needs}, and {self.bench.means()}; {best} is within reach; "
-            "ask for less, allow more, or use a larger machine"
-        )
+        remedy = "ask for less, allow more, or use a larger machine"
+        why = f"{needs}, and {self.bench.means()}; {best} is within reach"
+        raise UsageError(f"{self.bench.wanted}: {why}; {remedy}")
 
     def _jobs(self, grids: Sequence[Grid], shifts: int) -> tuple[Press, ...]:
         return self._solves(bem=BemOptions(grids=tuple(grids), shifts=shifts, tolerance=self.tolerance))
@@ -447,9 +437,7 @@ class Search:
         return solves_of(self.scene.model_copy(update=asked), self.problem)
 
     def _solved(self, solves: Sequence[Press]) -> list[ContactAreas]:
-        missing = [solve for solve in solves if solve not in self.areas]
-        results = self.bench.solve(missing)
-        for solve in missing:
-            self.peak_bytes = max(self.peak_bytes, results[solve].cost.peak_bytes)
-            self.areas[solve] = areas_of_solve(solve, results[solve])
+        for solve, result in self.bench.solve(s for s in solves if s not in self.areas).items():
+            self.peak_bytes = max(self.peak_bytes, result.cost.peak_bytes)
+            self.areas[solve] = areas_of_solve(solve, result)
         return [self.areas[solve] for solve in solves]
