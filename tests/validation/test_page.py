@@ -19,8 +19,7 @@ from rich.console import Console
 from small_scene import SQUARE_CELLS, scene_of
 
 from validation.audit.values import page_tables
-from validation.cli.progress import Bar
-from validation.cli.results import page_table, print_outputs, sentence_lines
+from validation.cli.results import Bar, page_table, print_outputs, sentence_lines
 from validation.comparison.pages import result_page
 from validation.comparison.run import report_scene, run_scene
 from validation.comparison.run_views import run_views

@@ -10,15 +10,13 @@ from typing import Annotated, Any
 import typer
 from typer.core import TyperGroup
 
-from validation.cli.finished import audit, compare
+from validation.cli.finished import audit, compare, store_app
 from validation.cli.options import examples, say
 from validation.cli.reference import reference
 from validation.cli.refusals import refusals_in_words
 from validation.cli.run import calibrate, explain, report, run
-from validation.cli.scenes import scenes_app
-from validation.cli.store import store_app
+from validation.cli.scenes import scenes_app, surface_app
 from validation.cli.study import StudyCommand, study
-from validation.cli.surface import surface_app
 from validation.cli.validate import challenge_app, reproduce, validate
 from validation.errors import RunFailed, UsageError
 

@@ -69,8 +69,7 @@ def run(
     if dry_run:
         options.print_plan(solves(), Bench.at(store_folder).store, as_json=as_json)
         return
-    from validation.cli.progress import Bar
-    from validation.cli.results import print_outputs
+    from validation.cli.results import Bar, print_outputs
 
     with Bar(quiet=quiet or how.quiet or as_json) as bar:
         bench = Bench.at(store_folder, execution=execution, progress=bar)
@@ -161,7 +160,7 @@ def report(
     as_json: options.JsonOption = False,
 ) -> None:
     """Write the report of finished results again, from what is stored."""
-    from validation.cli.progress import under_way
+    from validation.cli.results import under_way
     from validation.execution.results import check_results, record_of, show
 
     check_results(folder)

@@ -110,8 +110,7 @@ def study(
         else:
             typer.echo("[]" if as_json else "Nothing is solved by this study.")
         return
-    from validation.cli.progress import Bar
-    from validation.cli.results import print_outputs
+    from validation.cli.results import Bar, print_outputs
 
     with Bar(quiet=quiet or how.quiet or as_json) as bar:
         bench = Bench.at(store_folder, execution=execution, progress=bar)

@@ -122,8 +122,7 @@ def reproduce(
     tire rim, PMMA, Pyrex. Claims of one system are judged under one set of conventions. Measured figures
     and the cost of solvers have no row; the report says why.
     """
-    from validation.cli.progress import under_way
-    from validation.cli.results import print_outputs
+    from validation.cli.results import print_outputs, under_way
     from validation.files import prepare_folder
     from validation.paper import reproduce as reproduction
 

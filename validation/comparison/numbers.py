@@ -17,8 +17,7 @@ from fem_contact.area import ContactAreas
 from fem_contact.extrapolation import LEAST_CONTACT_POINTS, Limit
 from validation.arrays import Array
 from validation.comparison.fields import below
-from validation.comparison.reductions import DIFFERENCES, Case, Reading, grid_name, is_adhesive
-from validation.comparison.transport import passing
+from validation.comparison.reductions import DIFFERENCES, Case, Reading, grid_name, is_adhesive, passing
 from validation.comparison.treatment import about
 from validation.errors import RunFailed
 from validation.execution.press import Contacts, Press
