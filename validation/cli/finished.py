@@ -17,7 +17,7 @@ from validation.errors import RunFailed, UsageError
 
 def audit(
     folder: options.FolderArgument,
-    list_all: Annotated[bool, options.option("--list", help="Name the numbers that agree, too.")] = False,
+    list_all: Annotated[bool, options.option("Name the numbers that agree, too.", "--list")] = False,
     as_json: options.JsonOption = False,
 ) -> None:
     """Compute every number of a result again from its fields, by other code.
@@ -54,7 +54,7 @@ def audit(
 
 def compare(
     folders: Annotated[
-        list[Path], typer.Argument(metavar="DIR DIR...", help="Results folders of one kind; the first leads.")
+        list[Path], options.argument("DIR DIR...", "Results folders of one kind; the first leads.")
     ],
     output: options.OutputOption = None,
     with_report: options.ReportOption = True,
@@ -84,13 +84,11 @@ store_app = typer.Typer(no_args_is_help=True, help="Verify stored solves, and se
     )
 )
 def check(
-    folder: Annotated[
-        Path, typer.Argument(metavar="DIR", help="Folder of finished solves, or the results of a run.")
-    ],
-    list_all: Annotated[bool, options.option("--list", help="Name the intact ones, too.")] = False,
+    folder: Annotated[Path, options.argument("DIR", "Folder of finished solves, or the results of a run.")],
+    list_all: Annotated[bool, options.option("Name the intact ones, too.", "--list")] = False,
     set_aside: Annotated[
         bool,
-        options.option("--set-aside", help="Rename damaged files to *.corrupt; the next run repeats them."),
+        options.option("Rename damaged files to *.corrupt; the next run repeats them.", "--set-aside"),
     ] = False,
     as_json: options.JsonOption = False,
 ) -> None:

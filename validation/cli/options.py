@@ -45,9 +45,14 @@ def examples(*lines: str) -> str:
     return "\n\n".join(("Examples:", *lines))
 
 
-def option(*names: str, metavar: str = "", **more: Any) -> Any:
+def option(words: str, *names: str, metavar: str = "", **more: Any) -> Any:
     """Return an option; without a metavar a flag. Types and defaults would leave no room for words."""
-    return typer.Option(*names, metavar=metavar, show_default=False, **more)
+    return typer.Option(*names, help=words, metavar=metavar, show_default=False, **more)
+
+
+def argument(metavar: str, words: str, **more: Any) -> Any:
+    """Return an argument, as it is called in the help, and what it is."""
+    return typer.Argument(metavar=metavar, help=words, **more)
 
 
 _HOW: Any = {"rich_help_panel": "Where and how to run"}
@@ -55,89 +60,84 @@ _FILES: Any = {"rich_help_panel": "What is written"}
 
 SceneArgument = Annotated[
     str,
-    typer.Argument(metavar="SCENE", help="A built-in scene, or a TOML file.", autocompletion=scene_names),
+    argument("SCENE", "A built-in scene, or a TOML file.", autocompletion=scene_names),
 ]
-FolderArgument = Annotated[
-    Path, typer.Argument(metavar="DIR", help="Results folder of a run, a sweep or a study.")
-]
+FolderArgument = Annotated[Path, argument("DIR", "Results folder of a run, a sweep or a study.")]
 SetOption = Annotated[
     list[str] | None,
     option(
+        "Set a key of the scene, such as solid.young='2 GPa'. May be given several times; scenes keys "
+        "lists the keys.",
         "--set",
         metavar="KEY=VALUE",
         autocompletion=key_names,
-        help="Set a key of the scene, such as solid.young='2 GPa'. May be given several times; scenes keys "
-        "lists the keys.",
     ),
 ]
-JsonOption = Annotated[bool, option("--json", help="Print JSON for scripts.")]
+JsonOption = Annotated[bool, option("Print JSON for scripts.", "--json")]
 OutputOption = Annotated[
     Path | None,
-    option("--output", "-o", metavar="DIR", help="Default: a folder in results, by name.", **_FILES),
+    option("Default: a folder in results, by name.", "--output", "-o", metavar="DIR", **_FILES),
 ]
 StoreOption = Annotated[
     Path | None,
     option(
-        "--store",
+        "Finished solves, which runs and studies may share.",
         metavar="DIR",
         envvar="FEM_CONTACT_STORE",
-        help="Finished solves, which runs and studies may share.",
         **_FILES,
     ),
 ]
 WorkersOption = Annotated[
     int | None,
-    option("--workers", "-w", metavar="N", min=1, help="Local processes of one thread each.", **_HOW),
+    option("Local processes of one thread each.", "--workers", "-w", metavar="N", min=1, **_HOW),
 ]
 SchedulerOption = Annotated[
     str | None,
     option(
-        "--scheduler",
+        "Dask scheduler that you trust, such as tcp://host:8786.",
         metavar="URL",
         envvar="FEM_CONTACT_SCHEDULER",
-        help="Dask scheduler that you trust, such as tcp://host:8786.",
         **_HOW,
     ),
 ]
 MemoryOption = Annotated[
     str | None,
-    option("--memory", metavar="SIZE", help='For all solves, such as "4 GiB"; else what is free.', **_HOW),
+    option('For all solves, such as "4 GiB"; else what is free.', metavar="SIZE", **_HOW),
 ]
 MpiOption = Annotated[
     bool,
     option(
+        "Under mpiexec: boundary elements alone, each solve on all processes, into results/NAME/mpi.",
         "--mpi",
-        help="Under mpiexec: boundary elements alone, each solve on all processes, into results/NAME/mpi.",
         **_HOW,
     ),
 ]
 AccuracyOption = Annotated[
     str | None,
     option(
-        "--accuracy",
-        metavar="SHARE",
-        help="Choose grids, tolerance and number of surfaces for this error of A/A0 (95 %), such as 1%; "
+        "Choose grids, tolerance and number of surfaces for this error of A/A0 (95 %), such as 1%; "
         "into results/NAME-accuracy.",
+        metavar="SHARE",
     ),
 ]
 TimeLimitOption = Annotated[
     str | None,
-    option("--time-limit", metavar="TIME", help='With --accuracy: for all solves, such as "10 min".'),
+    option('With --accuracy: for all solves, such as "10 min".', metavar="TIME"),
 ]
-DryRunOption = Annotated[bool, option("--dry-run", help="Say what would be solved, and its cost.")]
+DryRunOption = Annotated[bool, option("Say what would be solved, and its cost.", "--dry-run")]
 PicturesOption = Annotated[
     bool | None,
-    option("--pictures/--no-pictures", help="3-D pictures in the report, which take seconds.", **_FILES),
+    option("3-D pictures in the report, which take seconds.", "--pictures/--no-pictures", **_FILES),
 ]
 ReportOption = Annotated[
     bool,
     option(
+        "Figures and report, or tables alone; fem-contact report DIR makes them later.",
         "--report/--no-report",
-        help="Figures and report, or tables alone; fem-contact report DIR makes them later.",
         **_FILES,
     ),
 ]
-QuietOption = Annotated[bool, option("--quiet", "-q", help="No progress bar.")]
+QuietOption = Annotated[bool, option("No progress bar.", "--quiet", "-q")]
 
 
 @contextlib.contextmanager

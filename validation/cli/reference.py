@@ -8,7 +8,7 @@ from typing import Annotated, Any
 
 import typer
 
-from validation.cli.options import JsonOption, OutputOption, named_by, print_json
+from validation.cli.options import JsonOption, OutputOption, named_by, option, print_json
 from validation.errors import UsageError
 
 
@@ -17,13 +17,11 @@ def _word(what: str, *choices: str) -> Any:
 
 
 def reference(
-    hurst: Annotated[float | None, typer.Option("--hurst", metavar="H", help="Hurst exponent.")] = None,
+    hurst: Annotated[float | None, option("Hurst exponent.", metavar="H")] = None,
     bandwidth: Annotated[
-        float | None, typer.Option("--bandwidth", "--ratio", metavar="B", help="lambda_long / lambda_short.")
+        float | None, option("lambda_long / lambda_short.", "--bandwidth", "--ratio", metavar="B")
     ] = None,
-    reduced_pressure: Annotated[
-        float | None, typer.Option("--reduced-pressure", metavar="P", help="p* = p0 / (E* h'_rms).")
-    ] = None,
+    reduced_pressure: Annotated[float | None, option("p* = p0 / (E* h'_rms).", metavar="P")] = None,
     amplitudes: Annotated[str, _word("Of the waves: exact, gaussian.", "exact", "gaussian")] = "exact",
     gradient: Annotated[
         str, _word("Whose h'_rms p* has: of each surface, or of C(q): spectrum.", "surface", "spectrum")
@@ -33,19 +31,15 @@ def reference(
     ] = "sharp",
     theory: Annotated[
         list[str] | None,
-        typer.Option(
-            "--theory",
-            metavar="NAME",
-            help="Score a theory on all cells; your own is module:function, as "
+        option(
+            "Score a theory on all cells; your own is module:function, as "
             "def area(pressure, *, contact_modulus, moments), of arrays.",
+            metavar="NAME",
             autocompletion=named_by("validation.theories:theories"),
         ),
     ] = None,
     csv: Annotated[
-        Path | None,
-        typer.Option(
-            "--csv", metavar="FILE", help="Score areas: columns hurst, bandwidth, reduced_pressure, area."
-        ),
+        Path | None, option("Score areas: columns hurst, bandwidth, reduced_pressure, area.", metavar="FILE")
     ] = None,
     output: OutputOption = None,
     as_json: JsonOption = False,

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
-from validation.cli.options import JsonOption, SceneArgument, examples, print_json, say, show
+from validation.cli.options import JsonOption, SceneArgument, argument, examples, print_json, say, show
 from validation.errors import RunFailed, SceneError, UsageError, did_you_mean
 from validation.report.quantities import as_length, in_prefixed_unit
 
@@ -35,7 +35,7 @@ def list_scenes(as_json: JsonOption = False) -> None:
 
 @scenes_app.command("keys", epilog=examples("fem-contact scenes keys hardness", "fem-contact scenes keys"))
 def list_keys(
-    word: Annotated[str, typer.Argument(metavar="WORD", help="Part of a key or of its meaning.")] = "",
+    word: Annotated[str, argument("WORD", "Part of a key or of its meaning.")] = "",
 ) -> None:
     """List the keys that a scene may have: example, meaning, unit, default."""
     from validation.scenes.keys import key_lines, scene_keys
@@ -59,7 +59,7 @@ def show_scene(scene: SceneArgument) -> None:
 @scenes_app.command("copy", epilog=examples("fem-contact scenes copy quickstart mine.toml"))
 def copy_scene(
     scene: SceneArgument,
-    target: Annotated[Path, typer.Argument(metavar="FILE", help="TOML file to write.")],
+    target: Annotated[Path, argument("FILE", "TOML file to write.")],
 ) -> None:
     """Copy a scene to a file of your own, to be changed; it takes the name of its file."""
     from validation.scenes.scene import scene_text
@@ -80,9 +80,7 @@ def copy_scene(
 
 surface_app = typer.Typer(no_args_is_help=True, help="Surfaces: generate, inspect, convert.")
 
-TargetArgument = Annotated[
-    Path, typer.Argument(metavar="FILE", help="File to write: .npy, .txt, .nc or .x3p.")
-]
+TargetArgument = Annotated[Path, argument("FILE", "File to write: .npy, .txt, .nc or .x3p.")]
 GridOption = Annotated[int | None, typer.Option("--grid", min=2, help="Points along x and y.")]
 ForceOption = Annotated[bool, typer.Option("--force", help="Overwrite the file if it is there.")]
 LengthOption = Annotated[
@@ -136,7 +134,7 @@ def generate(
     )
 )
 def inspect(
-    source: Annotated[str, typer.Argument(metavar="SCENE|FILE", help="A scene, or a file of heights.")],
+    source: Annotated[str, argument("SCENE|FILE", "A scene, or a file of heights.")],
     length: LengthOption = None,
     unit: UnitOption = None,
     tilt: TiltOption = None,
@@ -169,7 +167,7 @@ def inspect(
     epilog=examples("fem-contact surface convert afm.txt afm.nc --length '10 um' --unit '1 nm' --tilt plane")
 )
 def convert(
-    source: Annotated[Path, typer.Argument(metavar="SOURCE", help="File of heights.")],
+    source: Annotated[Path, argument("SOURCE", "File of heights.")],
     target: TargetArgument,
     length: LengthOption = None,
     unit: UnitOption = None,

@@ -37,19 +37,18 @@ def study(
     context: typer.Context,
     name: Annotated[
         str | None,
-        typer.Argument(
-            metavar="NAME",
-            help="A study; see --list.",
+        options.argument(
+            "NAME",
+            "A study; see --list.",
             autocompletion=options.named_by("validation.studies:studies"),
         ),
     ] = None,
-    list_all: Annotated[bool, options.option("--list", help="List the studies.")] = False,
+    list_all: Annotated[bool, options.option("List the studies.", "--list")] = False,
     scene: Annotated[
         str | None,
         options.option(
-            "--scene",
+            "Scene that a study is asked about; or after NAME.",
             metavar="SCENE",
-            help="Scene that a study is asked about; or after NAME.",
             autocompletion=options.scene_names,
         ),
     ] = None,
@@ -64,7 +63,7 @@ def study(
     quiet: options.QuietOption = False,
     as_json: options.JsonOption = False,
     wants_help: Annotated[
-        bool, options.option("--help", "-h", help="Show this; after a NAME, its options.")
+        bool, options.option("Show this; after a NAME, its options.", "--help", "-h")
     ] = False,
 ) -> None:
     """Ask one question of many surfaces; study --list names the studies.

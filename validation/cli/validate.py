@@ -14,6 +14,7 @@ from validation.cli.options import (
     OutputOption,
     QuietOption,
     ReportOption,
+    argument,
     examples,
     option,
     print_json,
@@ -32,16 +33,12 @@ ToleranceOption = Annotated[
 
 
 def validate(
-    names: Annotated[
-        list[str] | None, typer.Argument(metavar="CASE", help="Cases to run; all if not given.")
-    ] = None,
-    quick: Annotated[bool, option("--quick", help="Only what takes seconds; under three minutes.")] = False,
-    list_all: Annotated[bool, option("--list", help="Name the cases and their claims.")] = False,
+    names: Annotated[list[str] | None, argument("CASE", "Cases to run; all if not given.")] = None,
+    quick: Annotated[bool, option("Only what takes seconds; under three minutes.", "--quick")] = False,
+    list_all: Annotated[bool, option("Name the cases and their claims.", "--list")] = False,
     method: Annotated[
         list[str] | None,
-        typer.Option(
-            "--method", metavar="NAME", help="Score this solver: a method, or a module:function of yours."
-        ),
+        option("Score this solver: a method, or a module:function of yours.", metavar="NAME"),
     ] = None,
     seconds: Annotated[
         float,
@@ -92,8 +89,7 @@ def validate(
         print_json([verdict.summary() for verdict in verdicts])
     else:
         print_outputs(outputs)
-    failed = [verdict.case for verdict in verdicts if verdict.word == "FAILS"]
-    if failed:
+    if failed := [verdict.case for verdict in verdicts if verdict.word == "FAILS"]:
         raise RunFailed(f"{len(failed)} of {len(verdicts)} cases failed: {', '.join(failed)}")
 
 
@@ -112,7 +108,7 @@ def show_scorecards(cards: Sequence[Scorecard], files: Iterable[Path], *, as_jso
 
 def reproduce(
     output: OutputOption = None,
-    figures: Annotated[bool, option("--figures/--no-figures", help="Draw the figures, too.")] = True,
+    figures: Annotated[bool, option("Draw the figures, too.", "--figures/--no-figures")] = True,
     quiet: QuietOption = False,
     as_json: JsonOption = False,
 ) -> None:
@@ -142,7 +138,7 @@ challenge_app = typer.Typer(no_args_is_help=True, help="Score a solver in any la
 
 @challenge_app.command(epilog=examples("fem-contact challenge export mine"))
 def export(
-    folder: Annotated[Path, typer.Argument(metavar="DIR", help="Folder to write the problems into.")],
+    folder: Annotated[Path, argument("DIR", "Folder to write the problems into.")],
     points: Annotated[
         int, typer.Option(metavar="N", min=16, max=128, help="Along a side of the coarsest grids.")
     ] = 16,
@@ -163,7 +159,7 @@ def export(
 
 @challenge_app.command(epilog=examples("fem-contact challenge score mine"))
 def score(
-    folder: Annotated[Path, typer.Argument(metavar="DIR", help="Folder of problems, with answers to some.")],
+    folder: Annotated[Path, argument("DIR", "Folder of problems, with answers to some.")],
     as_json: JsonOption = False,
 ) -> None:
     """Score the answers of a folder, all or some; exit with 1 if a row fails."""
