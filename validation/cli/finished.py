@@ -87,8 +87,7 @@ def check(
     folder: Annotated[Path, options.argument("DIR", "Folder of finished solves, or the results of a run.")],
     list_all: Annotated[bool, options.option("Name the intact ones, too.", "--list")] = False,
     set_aside: Annotated[
-        bool,
-        options.option("Rename damaged files to *.corrupt; the next run repeats them.", "--set-aside"),
+        bool, options.option("Rename damaged files to *.corrupt; the next run repeats them.", "--set-aside")
     ] = False,
     as_json: options.JsonOption = False,
 ) -> None:

@@ -59,8 +59,7 @@ _HOW: Any = {"rich_help_panel": "Where and how to run"}
 _FILES: Any = {"rich_help_panel": "What is written"}
 
 SceneArgument = Annotated[
-    str,
-    argument("SCENE", "A built-in scene, or a TOML file.", autocompletion=scene_names),
+    str, argument("SCENE", "A built-in scene, or a TOML file.", autocompletion=scene_names)
 ]
 FolderArgument = Annotated[Path, argument("DIR", "Results folder of a run, a sweep or a study.")]
 SetOption = Annotated[
@@ -75,8 +74,7 @@ SetOption = Annotated[
 ]
 JsonOption = Annotated[bool, option("Print JSON for scripts.", "--json")]
 OutputOption = Annotated[
-    Path | None,
-    option("Default: a folder in results, by name.", "--output", "-o", metavar="DIR", **_FILES),
+    Path | None, option("Default: a folder in results, by name.", "--output", "-o", metavar="DIR", **_FILES)
 ]
 StoreOption = Annotated[
     Path | None,
@@ -88,8 +86,7 @@ StoreOption = Annotated[
     ),
 ]
 WorkersOption = Annotated[
-    int | None,
-    option("Local processes of one thread each.", "--workers", "-w", metavar="N", min=1, **_HOW),
+    int | None, option("Local processes of one thread each.", "--workers", "-w", metavar="N", min=1, **_HOW)
 ]
 SchedulerOption = Annotated[
     str | None,
@@ -101,8 +98,7 @@ SchedulerOption = Annotated[
     ),
 ]
 MemoryOption = Annotated[
-    str | None,
-    option('For all solves, such as "4 GiB"; else what is free.', metavar="SIZE", **_HOW),
+    str | None, option('For all solves, such as "4 GiB"; else what is free.', metavar="SIZE", **_HOW)
 ]
 MpiOption = Annotated[
     bool,
@@ -121,8 +117,7 @@ AccuracyOption = Annotated[
     ),
 ]
 TimeLimitOption = Annotated[
-    str | None,
-    option('With --accuracy: for all solves, such as "10 min".', metavar="TIME"),
+    str | None, option('With --accuracy: for all solves, such as "10 min".', metavar="TIME")
 ]
 DryRunOption = Annotated[bool, option("Say what would be solved, and its cost.", "--dry-run")]
 PicturesOption = Annotated[

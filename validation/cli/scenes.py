@@ -34,9 +34,7 @@ def list_scenes(as_json: JsonOption = False) -> None:
 
 
 @scenes_app.command("keys", epilog=examples("fem-contact scenes keys hardness", "fem-contact scenes keys"))
-def list_keys(
-    word: Annotated[str, argument("WORD", "Part of a key or of its meaning.")] = "",
-) -> None:
+def list_keys(word: Annotated[str, argument("WORD", "Part of a key or of its meaning.")] = "") -> None:
     """List the keys that a scene may have: example, meaning, unit, default."""
     from validation.scenes.keys import key_lines, scene_keys
 
@@ -58,8 +56,7 @@ def show_scene(scene: SceneArgument) -> None:
 
 @scenes_app.command("copy", epilog=examples("fem-contact scenes copy quickstart mine.toml"))
 def copy_scene(
-    scene: SceneArgument,
-    target: Annotated[Path, argument("FILE", "TOML file to write.")],
+    scene: SceneArgument, target: Annotated[Path, argument("FILE", "TOML file to write.")]
 ) -> None:
     """Copy a scene to a file of your own, to be changed; it takes the name of its file."""
     from validation.scenes.scene import scene_text

@@ -38,9 +38,7 @@ def study(
     name: Annotated[
         str | None,
         options.argument(
-            "NAME",
-            "A study; see --list.",
-            autocompletion=options.named_by("validation.studies:studies"),
+            "NAME", "A study; see --list.", autocompletion=options.named_by("validation.studies:studies")
         ),
     ] = None,
     list_all: Annotated[bool, options.option("List the studies.", "--list")] = False,

@@ -147,12 +147,7 @@ def explain(scene: Scene, problem: ContactProblem | None = None) -> Explanation:
         factors = ", ".join(f"{effect.kind} {costs.factors[effect.kind]:.2g}" for effect in scene.effects)
         cost_words = f"{factors} times ({costs.source})"
     return Explanation(
-        name=scene.name,
-        facts=facts,
-        grids=tuple(grids),
-        effects=effects,
-        left_out=left_out,
-        costs=cost_words,
+        name=scene.name, facts=facts, grids=tuple(grids), effects=effects, left_out=left_out, costs=cost_words
     )
 
 
