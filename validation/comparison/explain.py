@@ -51,21 +51,18 @@ _NEGLIGIBLE = 0.02
 
 
 @dataclass(frozen=True, kw_only=True)
-class PlannedGrid:
-    """One line of an explanation: a method on a grid."""
+class PlannedGrid(Prediction):
+    """One line of an explanation: a method on a grid, and what all its solves take."""
 
     method: str
     grid: Grid
     points_per_wave: float
     solves: int
-    unknowns: int
-    seconds: float
-    peak_bytes: int
 
 
 @dataclass(frozen=True, kw_only=True)
 class Explanation:
-    """What a scene runs and what it leaves out."""
+    """What a scene runs and what it leaves out; `seconds` of all solves, the most `peak_bytes` of any."""
 
     name: str
     facts: tuple[tuple[str, str], ...]
@@ -73,20 +70,12 @@ class Explanation:
     effects: tuple[Judgement, ...]
     left_out: tuple[Judgement, ...]
     costs: str
-
-    @property
-    def seconds(self) -> float:
-        """Predicted time of all solves, one after the other [s]."""
-        return sum(grid.seconds for grid in self.grids)
-
-    @property
-    def peak_bytes(self) -> int:
-        """Largest memory of any one solve."""
-        return max((grid.peak_bytes for grid in self.grids), default=0)
+    seconds: float
+    peak_bytes: int
 
     def summary(self) -> dict[str, Any]:
         """Return everything as JSON-ready data."""
-        return {**asdict(self), "seconds": self.seconds, "peak_bytes": self.peak_bytes}
+        return asdict(self)
 
     def parts(self) -> Iterator[str | Table]:
         """Yield what the command line prints, in order."""
@@ -147,8 +136,20 @@ def explain(scene: Scene, problem: ContactProblem | None = None) -> Explanation:
         factors = ", ".join(f"{effect.kind} {costs.factors[effect.kind]:.2g}" for effect in scene.effects)
         cost_words = f"{factors} times ({costs.source})"
     return Explanation(
-        name=scene.name, facts=facts, grids=tuple(grids), effects=effects, left_out=left_out, costs=cost_words
+        name=scene.name,
+        facts=facts,
+        grids=tuple(grids),
+        effects=effects,
+        left_out=left_out,
+        costs=cost_words,
+        **_in_all(grids),
     )
+
+
+def _in_all(costs: Sequence[Prediction]) -> dict[str, Any]:
+    """Sum of the times, one after the other [s], and the largest memory."""
+    peak = max((cost.peak_bytes for cost in costs), default=0)
+    return {"seconds": sum(cost.seconds for cost in costs), "peak_bytes": peak}
 
 
 def problems_of(sweep: Sweep, *, surveyed: bool = False) -> tuple[ContactProblem, ...]:
@@ -195,8 +196,7 @@ class SweepExplanation:
             "cases": [{"case": self.sweep.place(k), **case.summary()} for k, case in enumerate(self.cases)],
             "solves": len(self.costs),
             "asked": sum(grid.solves for case in self.cases for grid in case.grids),
-            "seconds": sum(cost.seconds for cost in self.costs),
-            "peak_bytes": max((cost.peak_bytes for cost in self.costs), default=0),
+            **_in_all(self.costs),
         }
 
     def parts(self) -> Iterator[Any]:
@@ -236,7 +236,19 @@ def judgements(scene: Scene, problem: ContactProblem) -> tuple[tuple[Judgement, 
             costs = effect_costs()
             words = f"it costs {costs.factors[judgement.effect]:.2g} times the plain solve ({costs.source})"
             listed[k] = replace(judgement, verdict=f"{judgement.verdict}; {words}")
-    return tuple(listed), tuple(_left_out(scene, problem, rough))
+    slots = {effect.slot for effect in scene.effects}
+    # Where one effect fills a slot, its rivals are not missing.
+    rivals = (kind for kind in effect_kinds().values() if kind.slot not in slots)
+    left_out = [*filter(None, (kind.unlisted(rough) for kind in rivals))]
+    left_out.append(finite_slopes(rough, poisson=problem.elastic.poisson))
+    what, verdict = "an independent solver", "the contact algorithm is not cross-checked"
+    able = [name for name, method in methods().items() if method.independent]
+    if not scene.methods.solvers:
+        what, able = "a solver", [name for name, method in methods().items() if isinstance(method, Solver)]
+        verdict = "how far the theory is from the equations of elasticity is not measured"
+    if not any(method.independent for method in scene.methods.solvers.values()):
+        left_out.append(Judgement(effect=what, number=f"no [methods.{able[0]}]", verdict=verdict))
+    return tuple(listed), tuple(left_out)
 
 
 def roughness_of(problem: ContactProblem) -> Roughness:
@@ -280,7 +292,14 @@ def _facts(scene: Scene, problem: ContactProblem) -> Iterator[tuple[str, str]]:
         force = problem.load.force
         first = "" if force is None else f"force = {in_prefixed_unit(force, 'N')}; "
         yield "load", f"{first}p0 = {each}; p* = {reduced}"
-    yield from _usual_grids(scene, problem)
+    usual = usual_grids(problem.lengths, problem.shortest)
+    for name, solver in scene.methods.solvers.items():
+        options = scene.methods.options(name)
+        listed, left = usual[: len(options.grids)], usual[len(options.grids) :]
+        more = left and options.grids == listed
+        if more and not affordable(solver, left[0], lengths=problem.lengths, options=options):
+            words = f"{grid_name(left[0])} would take more than 2 GiB or ten minutes"
+            yield f"grids of {name}", f"{words}; list it in methods.{name}.grids to have it all the same"
     yield from oblong_grids(scene, problem)
     for name, method in scene.methods.chosen.items():
         yield from method.facts(scene.methods.options(name), problem)
@@ -295,18 +314,6 @@ def _heights(of: HeightField | Moments) -> str:
     return f"h_rms = {as_length(of.rms_height, 4)}, h'_rms = {of.rms_gradient:.4g}"
 
 
-def _usual_grids(scene: Scene, problem: ContactProblem) -> Iterator[tuple[str, str]]:
-    """Say which of the usual grids a method does without, for what they take."""
-    usual = usual_grids(problem.lengths, problem.shortest)
-    for name, solver in scene.methods.solvers.items():
-        options = scene.methods.options(name)
-        listed, left = usual[: len(options.grids)], usual[len(options.grids) :]
-        more = left and options.grids == listed
-        if more and not affordable(solver, left[0], lengths=problem.lengths, options=options):
-            words = f"{grid_name(left[0])} would take more than 2 GiB or ten minutes"
-            yield f"grids of {name}", f"{words}; list it in methods.{name}.grids to have it all the same"
-
-
 def oblong_grids(scene: Scene, problem: ContactProblem) -> Iterator[tuple[str, str]]:
     """Say which grids have oblong cells, and which would have square ones."""
     for name in scene.methods.solvers:
@@ -317,21 +324,6 @@ def oblong_grids(scene: Scene, problem: ContactProblem) -> Iterator[tuple[str, s
                 square = [nx, across] if lx >= ly else [along, ny]
                 words = f"{nx} x {ny} has oblong cells, in which no edge is located; {square} has square ones"
                 yield f"grids of {name}", words
-
-
-def _left_out(scene: Scene, problem: ContactProblem, rough: Roughness) -> Iterator[Judgement]:
-    slots = {effect.slot for effect in scene.effects}
-    # Where one effect fills a slot, its rivals are not missing.
-    rivals = (kind for kind in effect_kinds().values() if kind.slot not in slots)
-    yield from filter(None, (kind.unlisted(rough) for kind in rivals))
-    yield finite_slopes(rough, poisson=problem.elastic.poisson)
-    what, verdict = "an independent solver", "the contact algorithm is not cross-checked"
-    able = [name for name, method in methods().items() if method.independent]
-    if not scene.methods.solvers:
-        what, able = "a solver", [name for name, method in methods().items() if isinstance(method, Solver)]
-        verdict = "how far the theory is from the equations of elasticity is not measured"
-    if not any(method.independent for method in scene.methods.solvers.values()):
-        yield Judgement(effect=what, number=f"no [methods.{able[0]}]", verdict=verdict)
 
 
 def finite_slopes(rough: Roughness, *, poisson: float) -> Judgement:
