@@ -20,8 +20,7 @@ from small_scene import SQUARE_CELLS, scene_of
 
 from validation.audit.values import page_tables
 from validation.cli.results import Bar, page_table, print_outputs, sentence_lines
-from validation.comparison.pages import result_page
-from validation.comparison.run import report_scene, run_scene
+from validation.comparison.run import report_scene, result_page, run_scene
 from validation.comparison.run_views import run_views
 from validation.execution.bench import Bench
 from validation.execution.results import read_results, record_of, show

@@ -2,7 +2,7 @@
 
 import pytest
 
-from validation.comparison import pages
+from validation.comparison import run
 from validation.execution.results import read_results
 from validation.report.page import Picture
 from validation.sandbox import OutOfBounds
@@ -15,7 +15,7 @@ def test_a_renderer_that_dies_or_hangs_leaves_a_word_and_no_file(tmp_path, monke
         raise OutOfBounds(words)
 
     monkeypatch.setattr(pages.Child, "call", ends)
-    picture, missing = pages.render_stored(tmp_path / "solve.nc", label="BEM 8 x 8")
+    picture, missing = run.render_stored(tmp_path / "solve.nc", label="BEM 8 x 8")
     assert picture is None
     assert words in missing
     assert "libGL.so.1" in missing
@@ -37,7 +37,7 @@ def test_what_is_rendered_is_the_stored_contact(small_run, tmp_path, monkeypatch
 def test_a_run_renders_what_was_asked_for_of_its_finest_finite_elements(small_run, monkeypatch):
     assert small_run.page.pictures == ()
     picture = Picture(name="surface", caption="", png=b"")
-    monkeypatch.setattr(pages, "render_stored", lambda path, label: (picture, f"{label} in {path.stem}"))
+    monkeypatch.setattr(run, "render_stored", lambda path, label: (picture, f"{label} in {path.stem}"))
     result = read_results(small_run.folder)
     page = pages.result_page(result, figures=True, pictures=True)
     (finest,) = (small_run.folder / "solves").glob("fem-24x16-*.nc")
@@ -47,7 +47,7 @@ def test_a_run_renders_what_was_asked_for_of_its_finest_finite_elements(small_ru
 
 def test_a_stored_solve_becomes_a_picture_wherever_a_renderer_lives(small_run):
     stored = next((small_run.folder / "solves").glob("bem-24x16-*.nc"))
-    picture, missing = pages.render_stored(stored, label="BEM 24 x 16")
+    picture, missing = run.render_stored(stored, label="BEM 24 x 16")
     # Without a graphics library the process dies; a mistake of ours has the name of an exception.
     assert "Error" not in missing
     assert "InvalidInput" not in missing

@@ -98,9 +98,8 @@ class Contact:
             Where it does not follow from the contact set: finite elements, adhesion, full contact.
         """
         if "stiffness" not in self.data:
-            raise UsageError(
-                "stiffness: it follows from partial contact of boundary elements without adhesion alone"
-            )
+            only = "partial contact of boundary elements without adhesion alone"
+            raise UsageError(f"stiffness: it follows from {only}")
         return value_of(self.data, "stiffness")
 
     def areas(self) -> ContactAreas:
@@ -120,10 +119,8 @@ class Contact:
         NoLimit
             Where these grids tell none, with the reason.
         """
-        if grids is None and len({solve.grid for solve in self.solved}) > 1:
-            data = self.data
-        else:
-            data = self._on(grids).data
+        several = grids is None and len({solve.grid for solve in self.solved}) > 1
+        data = (self if several else self._on(grids)).data
         if why := str(data.no_limit.item()):
             raise NoLimit(why)
         return value_of(data, "area_own")
@@ -158,9 +155,8 @@ class Contact:
 
     @property
     def _loaded(self) -> ContactProblem:
-        if not self.problem.load.held:
-            return self.problem
-        return self.problem.under(Load(pressure=self.result.mean_pressure))
+        problem = self.problem
+        return problem.under(Load(pressure=self.result.mean_pressure)) if problem.load.held else problem
 
     def patches(self) -> Patches:
         """Return the connected patches of the contact and their areas [m^2]."""
@@ -185,9 +181,8 @@ class Contact:
         from fem_contact.subsurface import fields_below
 
         if self.solve.solver.sinks:
-            raise UsageError(
-                f"below: method {self.solve.method!r} meshes its body; write its own stress with to_vtu(...)"
-            )
+            remedy = "write its own stress with to_vtu(...)"
+            raise UsageError(f"below: method {self.solve.method!r} meshes its body; {remedy}")
         return fields_below(self.result, self.solve.below, depths=depths)
 
     def to_vtu(self, path: str | Path) -> Path:

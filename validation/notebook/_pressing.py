@@ -133,10 +133,10 @@ def theory(
     problem = replace(realise(scene), given=surface.given)
     check_scene(scene, problem)
     data = theory_data(scene, problem).set_coords("reduced_pressure")
-    names = {"area_ensemble": "area", "area_plastic_ensemble": "area_plastic"}
-    there = {name: called for name, called in names.items() if name in data}
+    names = [name for name in ("area_ensemble", "area_plastic_ensemble") if name in data]
     note = "; ".join(dict.fromkeys(filter(None, data.theory_note.values.tolist())))
-    return data[[*there, "error_estimate"]].drop_attrs(deep=False).rename(there).assign_attrs(note=note)
+    plain = data[[*names, "error_estimate"]].drop_attrs(deep=False).assign_attrs(note=note)
+    return plain.rename({name: name.removesuffix("_ensemble") for name in names})
 
 
 def table(contacts: Iterable[Contact], *, along: str | None = None, limit: bool = False) -> xr.Dataset:

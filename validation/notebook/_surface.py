@@ -180,17 +180,9 @@ def self_affine(
     ... ).heights(64).shape
     (64, 64)
     """
-    table = {
-        "kind": "self-affine",
-        "length": length,
-        "hurst": hurst,
-        "lambda_long": lambda_long,
-        "lambda_short": lambda_short,
-        "rms_gradient": rms_gradient,
-        "rms_height": rms_height,
-        "seed": seed,
-        **others,
-    }
+    table = {"kind": "self-affine", "length": length, "hurst": hurst, "seed": seed, **others}
+    table |= {"lambda_long": lambda_long, "lambda_short": lambda_short}
+    table |= {"rms_gradient": rms_gradient, "rms_height": rms_height}
     return Surface(table=checked(SelfAffineSurface, "self_affine", table))
 
 
@@ -240,9 +232,8 @@ def measured(
     if length is None:
         raise UsageError('measured: length is missing; give the size of the patch, as length="100 um"')
     if unit is None:
-        raise UsageError(
-            'measured: unit is missing; give the unit of the heights, as unit="1 nm" or unit=1 for m'
-        )
+        remedy = 'give the unit of the heights, as unit="1 nm" or unit=1 for m'
+        raise UsageError(f"measured: unit is missing; {remedy}")
     nx, ny = values.shape
     if np.ndim(length) == 0 and sides_of(length) is None and nx != ny:
         raise UsageError(f"measured: one length for {nx} x {ny} points; give both sides, as length=(Lx, Ly)")
@@ -274,9 +265,8 @@ def _told_by(heights: Any) -> tuple[Any, Pair | None, float | None, str]:
             values = real(np.ma.filled(heights, np.nan))
         check_shape(values.shape)
     except (ValueError, TypeError) as error:
-        raise UsageError(
-            f"measured: heights of type {what}: {error}; give a file, a 2-D array, or a topography"
-        ) from None
+        remedy = "give a file, a 2-D array, or a topography"
+        raise UsageError(f"measured: heights of type {what}: {error}; {remedy}") from None
     return values, size, unit, what
 
 

@@ -7,8 +7,7 @@ from gold.make import of_dataset, of_page
 from validation.audit import audit
 from validation.comparison.accuracy import run_accurate
 from validation.comparison.compare import compare_folders
-from validation.comparison.pages import result_page
-from validation.comparison.run import run_scene, run_sweep
+from validation.comparison.run import result_page, run_scene, run_sweep
 from validation.execution.bench import Bench
 from validation.execution.results import read_results
 from validation.scenes.sweep import Sweep, load_asked
