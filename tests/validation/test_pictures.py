@@ -14,7 +14,7 @@ def test_a_renderer_that_dies_or_hangs_leaves_a_word_and_no_file(tmp_path, monke
         worker._stderr.write(b"libGL.so.1: cannot open shared object file\n")
         raise OutOfBounds(words)
 
-    monkeypatch.setattr(pages.Child, "call", ends)
+    monkeypatch.setattr(run.Child, "call", ends)
     picture, missing = run.render_stored(tmp_path / "solve.nc", label="BEM 8 x 8")
     assert picture is None
     assert words in missing
@@ -28,7 +28,7 @@ def test_what_is_rendered_is_the_stored_contact(small_run, tmp_path, monkeypatch
         "fem_contact.export.render_surface", lambda path, solution: drawn.append((path, solution))
     )
     (stored,) = (small_run.folder / "solves").glob("fem-24x16-*.nc")
-    pages._render(stored, tmp_path / "surface.png")
+    run._render(stored, tmp_path / "surface.png")
     ((path, solution),) = drawn
     assert path == tmp_path / "surface.png"
     assert solution.pressure.shape == (24, 16)
@@ -39,10 +39,10 @@ def test_a_run_renders_what_was_asked_for_of_its_finest_finite_elements(small_ru
     picture = Picture(name="surface", caption="", png=b"")
     monkeypatch.setattr(run, "render_stored", lambda path, label: (picture, f"{label} in {path.stem}"))
     result = read_results(small_run.folder)
-    page = pages.result_page(result, figures=True, pictures=True)
+    page = run.result_page(result, figures=True, pictures=True)
     (finest,) = (small_run.folder / "solves").glob("fem-24x16-*.nc")
     assert (page.pictures, page.no_picture) == ((picture,), f"fem on 24 x 16 in {finest.stem}")
-    assert pages.result_page(result, figures=True).pictures == ()
+    assert run.result_page(result, figures=True).pictures == ()
 
 
 def test_a_stored_solve_becomes_a_picture_wherever_a_renderer_lives(small_run):

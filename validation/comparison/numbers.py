@@ -33,7 +33,6 @@ from validation.scenes.tables import Load
 from validation.solvers import find_method
 from validation.solvers.theory import predict
 
-_TOO_FEW = "it needs two resolved grids"
 _ABSENT = {"theory": "it is simulated"}
 #: Within which relative distance from the limit the cheapest solve is looked for.
 _CLOSE = 0.01
@@ -100,7 +99,8 @@ def _on_grids(case: Case) -> xr.Dataset:
         parts[(*place, sum(there[:2] == place for there in parts))] = reading.numbers
     names, shifts = list(map(grid_name, grids)), range(1 + max(shift for *_, shift in parts))
     each = gather(parts, solver=case.methods, grid=names, shift=shifts).drop_vars("shift")
-    data = each[["solve", "area_pixel_shift", "area_perimeter_shift", "area_located_shift"]].assign(
+    ways = ["pixel", "perimeter", *(["located"] if each.area_located_shift.notnull().any() else [])]
+    data = each[["solve", *(f"area_{way}_shift" for way in ways)]].assign(
         points_per_wave=("grid", [problem.points_per_wave(grid) for grid in grids]),
         resolved=("grid", [float(problem.resolved_by(grid)) for grid in grids]),
         pressure=problem.pressure,
@@ -120,7 +120,7 @@ def _on_grids(case: Case) -> xr.Dataset:
     if problem.spectrum is not None:
         moments = problem.spectrum.moments()
         data = data.assign(rms_height_spectrum=moments.rms_height, rms_gradient_spectrum=moments.rms_gradient)
-    for name in ("area_pixel", "area_perimeter", "area_located"):
+    for name in (f"area_{way}" for way in ways):
         values = data[f"{name}_shift"]
         data = derive(data, **{name: f"{name}_shift.mean('shift')"})
         if name != "area_perimeter":
@@ -128,8 +128,6 @@ def _on_grids(case: Case) -> xr.Dataset:
             half = mean_of(values.values, values.get_axis_num("shift"), there=values.notnull().values)[1]
             data[f"{name}_error"] = error_of(data[name], grid=half, **_ABSENT)
             data[f"{name}_error"].attrs[HOLDS] = "sub-grid positions"
-    if not data.area_located.notnull().any():
-        data = data.drop_vars(["area_located", "area_located_error", "area_located_shift"])
     own = ((solve, why) for solve, why in case.failures.items() if solve.problem.realisation == 0)
     if failed := {(solve.method, solve.grid): why for solve, why in own}:
         words = [[failed.get((method, grid), "") for grid in grids] for method in case.methods]
@@ -150,7 +148,8 @@ def _on_grids(case: Case) -> xr.Dataset:
 
 def limit_of(areas: Sequence[ContactAreas]) -> Limit:
     """Limit over at least two grids: of the located area where there is one, else of the corrected."""
-    return no_limit(_TOO_FEW) if len({area.spacing for area in areas}) < 2 else limit_over(areas)
+    few = len({area.spacing for area in areas}) < 2
+    return no_limit("it needs two resolved grids") if few else limit_over(areas)
 
 
 def _value_of(areas: Sequence[ContactAreas], tolerance: float) -> xr.Dataset:
