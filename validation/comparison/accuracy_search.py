@@ -38,10 +38,8 @@ from validation.solvers.bem import BemOptions
 
 Grids: TypeAlias = tuple[Grid, ...]
 
-#: Grids that are considered, as points per shortest wave.
+#: Grids that are considered, as points per shortest wave; below the first an area says little of its limit.
 _LEVELS = (3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96, 128, 192, 256)
-#: Points per shortest wave below which an area says little of its limit.
-_LEAST_LEVEL = 3
 
 #: Tolerance over the error asked for.
 _SOLVER_SHARE = 0.002
@@ -246,7 +244,7 @@ class Search:
     def shared(self) -> Grids:
         """Grids of other methods, on which boundary elements are solved, too, to compare point by point."""
         grids = {solve.grid for solves in self.others.values() for solve in solves}
-        fine = (grid for grid in sorted(grids) if self.problem.points_per_wave(grid) >= _LEAST_LEVEL)
+        fine = (grid for grid in sorted(grids) if self.problem.points_per_wave(grid) >= _LEVELS[0])
         return tuple(grid for grid in fine if has_square_cells(self.problem, grid))
 
     def own_surface(self) -> Single:

@@ -325,8 +325,7 @@ def _lead(kind: str, data: xr.Dataset, scene: Scene) -> str:
 
 
 def _seeds(scene: Scene, data: xr.Dataset) -> str:
-    swept = [c for c in data.coords.values() if c.attrs.get("key") == "surface.seed"]
-    if swept:
+    if swept := [c for c in data.coords.values() if c.attrs.get("key") == "surface.seed"]:
         return ", ".join(f"{value:g}" for value in swept[0].values)
     surface = scene.surface
     if surface.kind == "file":
