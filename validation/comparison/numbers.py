@@ -17,7 +17,7 @@ from fem_contact.area import ContactAreas
 from fem_contact.extrapolation import LEAST_CONTACT_POINTS, Limit
 from validation.arrays import Array
 from validation.comparison.fields import below
-from validation.comparison.reductions import DIFFERENCES, Case, Reading, grid_name, is_adhesive, passing
+from validation.comparison.reductions import DIFFERENCES, Case, grid_name, is_adhesive, passing, read_off
 from validation.comparison.treatment import about
 from validation.errors import RunFailed
 from validation.execution.press import Contacts, Press
@@ -54,13 +54,15 @@ def scene_data(
 
     A RunFailed where no solve of its own surface succeeded, or nothing touches.
     """
-    readings = {solve: Reading.of(solve, results[solve]) for solve in results}
-    case = Case(scene=scene, problem=problem, results=results, readings=readings, failures=failures or {})
+    areas, numbers = {}, {}
+    for solve in results:
+        areas[solve], numbers[solve] = read_off(solve, results[solve])
+    read: Any = {"results": results, "areas": areas, "numbers": numbers, "failures": failures or {}}
+    case = Case(scene=scene, problem=problem, **read)
     if not case.own:
         raise RunFailed(case.failed)
     if problem.load.held:
-        finest = case.readings[case.ladder(case.own[0].solve.method)[-1]]
-        pressure = float(finest.numbers.mean_pressure)
+        pressure = float(numbers[case.ladder(case.own[0].method)[-1]].mean_pressure)
         if not pressure > 0:
             held = f"load.{problem.load.key} = {as_length(problem.load.values[0])}"
             raise RunFailed(f"{held}: nothing touches so far apart; come closer")
@@ -94,9 +96,9 @@ def _on_grids(case: Case) -> xr.Dataset:
     every = {grid for name in case.methods for grid in scene.methods.options(name).grids}
     grids = sorted(every, key=lambda grid: (math.prod(grid), grid))
     parts: dict[tuple[str, str, int], xr.Dataset] = {}
-    for reading in case.own:
-        place = reading.solve.method, grid_name(reading.solve.grid)
-        parts[(*place, sum(there[:2] == place for there in parts))] = reading.numbers
+    for solve in case.own:
+        place = solve.method, grid_name(solve.grid)
+        parts[(*place, sum(there[:2] == place for there in parts))] = case.numbers[solve]
     names, shifts = list(map(grid_name, grids)), range(1 + max(shift for *_, shift in parts))
     each = gather(parts, solver=case.methods, grid=names, shift=shifts).drop_vars("shift")
     ways = ["pixel", "perimeter", *(["located"] if each.area_located_shift.notnull().any() else [])]
@@ -178,11 +180,11 @@ def _value_of(areas: Sequence[ContactAreas], tolerance: float) -> xr.Dataset:
 def _own_area(data: xr.Dataset, case: Case) -> xr.Dataset:
     values = {}
     for method in case.methods:
-        readings = [reading for reading in case.own if reading.solve.method == method]
-        good = [reading.areas for reading in readings if case.problem.resolved_by(reading.solve.grid)]
+        solves = [solve for solve in case.own if solve.method == method]
+        good = [solve for solve in solves if case.problem.resolved_by(solve.grid)] or solves
         tolerance = float(case.scene.methods.options(method).tolerance)
-        values[method] = _value_of(good or [reading.areas for reading in readings], tolerance)
-    usual = case.own[0].solve.method  # which succeeded
+        values[method] = _value_of([case.areas[solve] for solve in good], tolerance)
+    usual = case.own[0].method  # which succeeded
     method = next((name for name, value in values.items() if not value.why), usual)
     every, first = gather(values, solver=case.methods), values[method]
     absent = _ABSENT if case.scene.methods.solvers[method].sinks else ABSENT
@@ -289,16 +291,16 @@ def _surfaces(case: Case) -> xr.Dataset | None:
     failed = {solve.problem.realisation: why for solve, why in case.failures.items() if solve.grid in grids}
     parts = {}
     for k, on in case.surfaces.items():
-        readings = [on[grid] for grid in grids if grid in on]
-        here = readings[0].solve.problem if readings else case.problem.further(k)
-        limit = limit_of([reading.areas for reading in readings])
+        solves = [on[grid] for grid in grids if grid in on]
+        here = solves[0].problem if solves else case.problem.further(k)
+        limit = limit_of([case.areas[solve] for solve in solves])
         area, half = xr.DataArray(limit.value), NORMAL * limit.uncertainty
         part = {
             "area_each": area.assign_attrs(reduction="limit"),
             "area_each_error": error_of(area, grid=half, **ABSENT),
             "rms_gradient_each": here.field.rms_gradient,
             "reduced_pressure_each": here.pressure / here.pressure_scale,
-            "solve_surface": ("surface_grid", [on[g].solve.key if g in on else "" for g in grids]),
+            "solve_surface": ("surface_grid", [on[g].key if g in on else "" for g in grids]),
         }
         if options is not None:
             part["area_persson_each"] = predict(here, case.scene.effects, options).area
@@ -313,16 +315,15 @@ def beside_each_other(data: xr.Dataset, case: Case) -> xr.Dataset:
     methods, grids = data.solver.values.tolist(), data.grid.values.tolist()
     if len(methods) < 2:
         return data
-    still = {(r.solve.method, r.solve.grid): r for r in case.own if r.solve.is_own}
+    still = {(solve.method, solve.grid): solve for solve in case.own if solve.is_own}
     # The first method is not beside itself; where all others failed, nothing else says what is asked.
     cases = {(methods[0], grids[0]): xr.Dataset(dict.fromkeys(DIFFERENCES, math.nan))}
-    for (method, grid), reading in still.items():
+    for (method, grid), solve in still.items():
         if method != methods[0] and (first := still.get((methods[0], grid))) is not None:
-            pressure, beside = (case.results[each.solve].pressure for each in (reading, first))
             values = (
-                relative_distance(pressure, beside),
-                reading.areas.pixel / first.areas.pixel - 1,
-                reading.areas.perimeter / first.areas.perimeter - 1,
+                relative_distance(case.results[solve].pressure, case.results[first].pressure),
+                case.areas[solve].pixel / case.areas[first].pixel - 1,
+                case.areas[solve].perimeter / case.areas[first].perimeter - 1,
             )
             cases[method, grid_name(grid)] = xr.Dataset(dict(zip(DIFFERENCES, values, strict=True)))
     data = data.assign(gather(cases, solver=methods, grid=grids).data_vars)
@@ -387,7 +388,7 @@ def in_numbers(data: xr.Dataset, case: Case) -> xr.Dataset:
     from fem_contact.conductance import frozen_contact
     from fem_contact.patches import find_patches
 
-    solves, height = case.ladder(case.own[0].solve.method), case.problem.field.rms_height
+    solves, height = case.ladder(case.own[0].method), case.problem.field.rms_height
     rows = []
     for solve in solves:  # whose fields are read one after the other
         result = case.results[solve]

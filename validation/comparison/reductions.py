@@ -44,35 +44,24 @@ def own_solves(scene: Scene, solves: Iterable[Press]) -> list[Press]:
     return [solve for solve in first if solve.grid in scene.methods.options(solve.method).grids]
 
 
-@dataclass(frozen=True, kw_only=True)
-class Reading:
-    """What is read off one solve, so that its fields are let go."""
-
-    solve: Press
-    areas: ContactAreas
-    numbers: xr.Dataset
-
-    @classmethod
-    def of(cls, solve: Press, result: ContactResult) -> Reading:
-        """Read a result."""
-        areas = areas_of_solve(solve, result)
-        at_bound = result.at_bound if result.weights is None else result.weights * result.at_bound
-        numbers = xr.Dataset(
-            {
-                "solve": solve.key,
-                "area_pixel_shift": ((), areas.pixel, {"reduction": "field", "of": "pixel"}),
-                "area_perimeter_shift": ((), areas.perimeter, {"reduction": "field", "of": "perimeter"}),
-                "area_located_shift": areas.subcell or math.nan,
-                "mean_pressure": result.mean_pressure,
-                "surface_modulus": result.contact_modulus,
-                "density_at_zero": _density(solve, result),
-                "plastic": float(np.mean(at_bound)),
-                "residual": result.residuals.worst,
-                "seconds": result.cost.wall_seconds,
-                "unknowns": result.cost.unknowns,
-            }
-        )
-        return cls(solve=solve, areas=areas, numbers=numbers)
+def read_off(solve: Press, result: ContactResult) -> tuple[ContactAreas, xr.Dataset]:
+    """Return areas and numbers of one solve, whose fields can be let go then."""
+    areas = areas_of_solve(solve, result)
+    at_bound = result.at_bound if result.weights is None else result.weights * result.at_bound
+    numbers = {
+        "solve": solve.key,
+        "area_pixel_shift": ((), areas.pixel, {"reduction": "field", "of": "pixel"}),
+        "area_perimeter_shift": ((), areas.perimeter, {"reduction": "field", "of": "perimeter"}),
+        "area_located_shift": areas.subcell or math.nan,
+        "mean_pressure": result.mean_pressure,
+        "surface_modulus": result.contact_modulus,
+        "density_at_zero": _density(solve, result),
+        "plastic": float(np.mean(at_bound)),
+        "residual": result.residuals.worst,
+        "seconds": result.cost.wall_seconds,
+        "unknowns": result.cost.unknowns,
+    }
+    return areas, xr.Dataset(numbers)
 
 
 def _density(solve: Press, result: ContactResult) -> float:
@@ -90,36 +79,37 @@ def _density(solve: Press, result: ContactResult) -> float:
 
 @dataclass(frozen=True, kw_only=True)
 class Case:
-    """A scene with its solves, what was read of each, and of others why they failed."""
+    """A scene with its solves, areas and numbers of each (`read_off`), and of others why they failed."""
 
     scene: Scene
     problem: ContactProblem
     results: Contacts
-    readings: Mapping[Press, Reading]
+    areas: Mapping[Press, ContactAreas]
+    numbers: Mapping[Press, xr.Dataset]
     failures: Mapping[Press, str]
 
     @cached_property
-    def own(self) -> list[Reading]:
-        """What was read of the scene's own surface, on the grids that its methods list."""
-        return [self.readings[solve] for solve in own_solves(self.scene, self.readings)]
+    def own(self) -> list[Press]:
+        """Solves of the scene's own surface, on the grids that its methods list."""
+        return own_solves(self.scene, self.numbers)
 
     def ladder(self, method: str) -> list[Press]:
         """Return the solves of a method, unshifted, coarse to fine: the resolved ones, if there are any."""
-        listed = [r.solve for r in self.own if r.solve.method == method and r.solve.is_own]
+        listed = [solve for solve in self.own if solve.method == method and solve.is_own]
         resolved = [solve for solve in listed if self.problem.resolved_by(solve.grid)]
         return sorted(resolved or listed, key=lambda solve: self.problem.points_per_wave(solve.grid))
 
     @cached_property
-    def surfaces(self) -> dict[int, dict[Grid, Reading]]:
-        """What was read of each surface of the ensemble, by grid; nothing without one."""
+    def surfaces(self) -> dict[int, dict[Grid, Press]]:
+        """Solves of each surface of the ensemble, by grid; nothing without one."""
         ensemble, solver = self.scene.ensemble, self.scene.ensemble_solver
         if ensemble is None or solver is None:
             return {}
-        surfaces: dict[int, dict[Grid, Reading]] = {k: {} for k in range(ensemble.realisations)}
-        for solve, reading in self.readings.items():
+        surfaces: dict[int, dict[Grid, Press]] = {k: {} for k in range(ensemble.realisations)}
+        for solve in self.numbers:
             k, still = solve.problem.realisation, solve.shift == (0.0, 0.0) and not solve.problem.variation
             if solve.method == solver.name and k in surfaces and still:
-                surfaces[k][solve.grid] = reading
+                surfaces[k][solve.grid] = solve
         return surfaces
 
     @property
@@ -130,7 +120,7 @@ class Case:
     @property
     def surface_modulus(self) -> float:
         """E* [Pa] at the surface: of the coating, where there is one."""
-        return float(self.own[0].numbers.surface_modulus)
+        return float(self.numbers[self.own[0]].surface_modulus)
 
     @property
     def failed(self) -> str:
@@ -162,7 +152,7 @@ def passing(data: xr.Dataset, case: Case) -> xr.Dataset:
         return data.assign(passing_note="not determinable: the points of every method weigh differently")
     spacing = [1 / case.problem.points_per_wave(solve.grid) for solve in ladder]
     finest = scene.ensemble and max(scene.ensemble.grids, key=case.problem.points_per_wave)
-    ensemble = [on[finest].solve for on in case.surfaces.values() if finest in on]
+    ensemble = [on[finest] for on in case.surfaces.values() if finest in on]
     reads: dict[str, tuple[_Read, str]] = {}
     if quantities.electrical is not None:
         reads["electrical_conductance"] = _conductance(quantities.electrical.resistivity, case), "persson"
