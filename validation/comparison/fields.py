@@ -139,13 +139,10 @@ def below(data: xr.Dataset, scene: Scene, results: Contacts) -> xr.Dataset:
     )
 
 
-def _pressed(scene: Scene, results: Mapping[Press, Any]) -> list[Press]:
+def _pressed(scene: Scene, results: Mapping[Press, Any], *, finest: bool = False) -> list[Press]:
     """List the solves whose pressures lie on the response of a solid: a mesh has a stress of its own."""
-    return [solve for solve in own_solves(scene, results) if solve.is_own and not solve.solver.sinks]
-
-
-def _finest(scene: Scene, results: Mapping[Press, Any]) -> list[Press]:
-    return list({solve.method: solve for solve in _pressed(scene, results)}.values())
+    solves = [solve for solve in own_solves(scene, results) if solve.is_own and not solve.solver.sinks]
+    return list({solve.method: solve for solve in solves}.values()) if finest else solves
 
 
 def write_below(scene: Scene, results: Contacts, folder: Path) -> Iterator[Path]:
@@ -156,7 +153,7 @@ def write_below(scene: Scene, results: Contacts, folder: Path) -> Iterator[Path]
     from fem_contact.subsurface import fields_below
 
     folder.mkdir(exist_ok=True)
-    for solve in _finest(scene, results):
+    for solve in _pressed(scene, results, finest=True):
         target = folder / f"{solve.prefix}-below.vtu"
         write_subsurface(target, fields_below(results[solve], solve.below, depths=scene.subsurface.depths))
         yield target
@@ -174,7 +171,7 @@ def planes(data: xr.Dataset, scene: Scene, results: Contacts) -> xr.Dataset:
             (p.depth or np.nan, float(p.von_mises.max()), float(np.sqrt(np.mean(p.von_mises**2))))
             for p in planes_below(results[solve], solve.below, depths=scene.subsurface.depths)
         ]
-        for solve in _finest(scene, results)
+        for solve in _pressed(scene, results, finest=True)
     }
     units = float(data.wave_short), *2 * [float(data.pressure_scale)]
     planes = {
