@@ -306,7 +306,7 @@ def _findings(data: xr.Dataset, differ: Mapping[str, Sequence[str]]) -> Iterator
         yield note("No setting differs: these are results of one and the same question.")
     every = _compared(data)
     names = [n for n in every if f"{n}_apart_error" in data and not n.endswith(_TWICE)]
-    names = [n for n in names if not (n in _HELD and _HELD[n] & differ.keys())]
+    names = [n for n in names if not _HELD.get(n, set()) & differ.keys()]
     if all(bool((data[f"{n}_apart"] == 0).all()) for n in names):  # so what has none tells them apart
         names += [n for n in every if n not in names and bool((data[f"{n}_apart"] != 0).any())][:2]
     for name in names[:_FINDINGS]:

@@ -222,8 +222,8 @@ def measured(
         try:
             tables = sized(plain({"surface": table}), Path(), "measured")
         except SceneError as error:  # what else is wrong is told when it is pressed
-            problems = [words for words in error.problems if not words.startswith("cannot be pressed")]
-            raise SceneError("measured", problems) from None
+            others = [words for words in error.problems if not words.startswith("cannot be pressed")]
+            raise SceneError("measured", others) from None
         on_file = checked(FileSurface, "measured", tables["surface"])
         return Surface(table=on_file, given=_Measured.read(on_file))
     values, own_length, own_unit, words = _told_by(heights)
