@@ -1,7 +1,5 @@
 """Effects beyond linear elastic contact of a half-space: one file each, found by name or entry point."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from functools import cache
 

@@ -1,7 +1,5 @@
 """A homogeneous layer of another modulus on top of the solid."""
 
-from __future__ import annotations
-
 import math
 from typing import Literal, Self
 

@@ -1,7 +1,5 @@
 """A modulus that relaxes with depth."""
 
-from __future__ import annotations
-
 import math
 from functools import partial
 from typing import Literal, Self

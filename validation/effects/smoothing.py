@@ -1,7 +1,5 @@
 """An earlier squeezing whose plastic flow has flattened the short waves of the surface."""
 
-from __future__ import annotations
-
 from typing import Literal, Self
 
 from pydantic import model_validator

@@ -1,7 +1,5 @@
 """A layer on a rigid base."""
 
-from __future__ import annotations
-
 import math
 from typing import Literal, Self
 

@@ -1,7 +1,5 @@
 """The reference table: contact of self-affine surfaces with its uncertainty, made once and looked up."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from importlib import resources
 

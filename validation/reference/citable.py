@@ -1,7 +1,5 @@
 """What a stranger needs to use the reference table: definition, conventions, licence, a CSV file."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import xarray as xr

@@ -1,7 +1,5 @@
 """The areas of the reference table by the Nayak parameter, and whether H matters beside it."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Between the nodes of the reference table, and no farther."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """How a distance from the theory goes on beyond the bands that were solved: laws in the Nayak parameter."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -1,7 +1,5 @@
 """What Persson's theory says of the quantities of the reference table."""
 
-from __future__ import annotations
-
 import functools
 from collections.abc import Mapping
 

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeAlias
 
 import xarray as xr
 
@@ -13,8 +13,11 @@ from validation.report.marks import Band, Figure, Image, Level, Line, Panel, aga
 from validation.report.table import Column, Listing, Table
 
 #: With `Views` all that a study declares by.
-__all__ = ["Band", "Card", "Column", "Figure", "Finding", "Image", "Level", "Line", "Listing", "Panel"]
-__all__ += ["Table", "Views", "against", "finding", "note", "of_one_surface", "panels_along"]
+__all__ = ["Band", "Card", "Column", "Figure", "Finding", "Findings", "Image", "Level", "Line", "Listing"]
+__all__ += ["Panel", "Table", "Views", "against", "finding", "note", "of_one_surface", "panels_along"]
+
+#: What a study found, one after the other.
+Findings: TypeAlias = Iterator[Finding]
 
 
 @dataclass(frozen=True)

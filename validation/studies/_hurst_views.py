@@ -1,7 +1,5 @@
 """What the study `hurst` shows: kappa against H, against the Nayak parameter, and along the ladders."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import replace
 
@@ -13,7 +11,7 @@ from validation.report.views import (
     Band,
     Column,
     Figure,
-    Finding,
+    Findings,
     Level,
     Line,
     Table,
@@ -138,7 +136,7 @@ def _ladder_figures() -> tuple[Figure, ...]:
     )
 
 
-def _beside(data: xr.Dataset) -> Iterator[Finding]:
+def _beside(data: xr.Dataset) -> Findings:
     form = "By its own limit over grids kappa is, at p* = {reduced_pressure_by_solver} and bandwidth {bandwidth_by_solver}, by "
     form += "{solver}: {each}."
     item = (
@@ -150,7 +148,7 @@ def _beside(data: xr.Dataset) -> Iterator[Finding]:
         yield finding("agreement", form, here, item=item, by="kappa_by_solver_difference", words=outcomes)
 
 
-def _of_families(data: xr.Dataset) -> Iterator[Finding]:
+def _of_families(data: xr.Dataset) -> Findings:
     ends = {"first": data.hurst[0], "last": data.hurst[-1]}
     ends |= {"low": data.bandwidth.min(), "high": data.bandwidth.max()}
     if data.sizes["hurst"] > 1:
@@ -169,7 +167,7 @@ def _of_families(data: xr.Dataset) -> Iterator[Finding]:
     yield finding("value", form, data, item="{kappa_ratio} at p* = {reduced_pressure}", **ends)
 
 
-def _of_ladders(data: xr.Dataset) -> Iterator[Finding]:
+def _of_ladders(data: xr.Dataset) -> Findings:
     if data.sizes["ladder"] > 1:
         first, last = data.hurst_ladder[[0, -1]]
         form = "At the Nayak parameter {nayak_by_bandwidth_equal} kappa at H = {last} is {verdict} that at H = {first}, "

@@ -1,7 +1,5 @@
 """What all options of studies have: a table that the command line fills, and options that many studies share."""
 
-from __future__ import annotations
-
 import types
 import typing
 from collections.abc import Iterable, Iterator, Mapping, Sequence

@@ -1,7 +1,5 @@
 """What the study `refinement` shows: error against resolution, and roughness down to the scale of the grid."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from itertools import cycle
 
@@ -14,7 +12,7 @@ from validation.report.values import value_of
 from validation.report.views import (
     Column,
     Figure,
-    Finding,
+    Findings,
     Level,
     Line,
     Table,
@@ -106,7 +104,7 @@ def _on_grids(data: xr.Dataset, first: int) -> Iterator[Figure]:
         yield Figure("grid-scale-by-solver", caption, panels_of)
 
 
-def _of_areas(data: xr.Dataset, first: int) -> Iterator[Finding]:
+def _of_areas(data: xr.Dataset, first: int) -> Findings:
     """Say what counting is off on the grids from the `first` resolved one on, and which pressures make it."""
     resolved = data.isel(grid=slice(first, None))
     limit = "In the limit kappa is {kappa} at p* = {reduced_pressure}, lambda_long/lambda_short = {bandwidth}"
@@ -134,7 +132,7 @@ _AGREES = {"agree": "agrees", "differ": "does not agree", "?": "can neither be c
 _APART = {"agree": "not distinguishable from it", "differ": "beyond its intervals"}
 
 
-def _of_others(data: xr.Dataset) -> Iterator[Finding]:
+def _of_others(data: xr.Dataset) -> Findings:
     if "slope" in data.dims:
         last = data.isel(protocol_grid=-1)
         slopes = ", ".join(f"{{s{k}}} ({name})" for k, name in enumerate(data.slope.values))
@@ -151,7 +149,7 @@ def _of_others(data: xr.Dataset) -> Iterator[Finding]:
         yield finding("agreement", form, data, item=item, by="distance_other", words=_APART)
 
 
-def _of_protocol(data: xr.Dataset) -> Iterator[Finding]:
+def _of_protocol(data: xr.Dataset) -> Findings:
     form = "Full finite elements with roughness down to their {points_protocol_by_solver} points, nodes counted, have kappa "
     form += "{each} ({slope})."
     item = "{kappa_protocol_by_solver} at H = {hurst_protocol}, {kappa_excess_protocol:+%} from the converged one of the same "

@@ -1,7 +1,5 @@
 """Options of studies on a viscoelastic solid, a standard solid or a Prony series, and of the surfaces on it."""
 
-from __future__ import annotations
-
 from typing import Self
 
 from pydantic import Field, model_validator

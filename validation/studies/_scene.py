@@ -1,7 +1,5 @@
 """Studies on a scene: whatever it says counts in place of the options that say the same, or is refused by name."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property

@@ -12,8 +12,9 @@ from pydantic import ValidationError
 from fem_contact import errors as fem_errors
 from persson import errors as persson_errors
 from validation.errors import RunFailed, SolvesFailed, UsageError
-from validation.execution.measurement import Call
-from validation.measurements.limits import solved
+from validation.execution.bench import Bench
+from validation.execution.measurement import Call, measurement
+from validation.measurements.limits import ABSENT, Measured, read_off, solved, stored_variables
 from validation.report.estimates import gather
 from validation.report.quantities import labelled
 from validation.report.table import budget_table
@@ -25,10 +26,13 @@ from validation.studies._options import StudyOptions
 if TYPE_CHECKING:
     import xarray as xr
 
-    from validation.execution.bench import Bench
     from validation.report.marks import Drawing
     from validation.report.table import ResultTable
     from validation.report.views import Views
+
+#: With `gathered` all that a study solves by.
+__all__ = ["ABSENT", "Bench", "Call", "Measured", "Study", "gathered", "measurement", "read_off", "solved"]
+__all__ += ["stored_variables"]
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -1,11 +1,8 @@
 """What does each digit of the contact area cost, for which method and which definition, and do the claimed errors hold?"""
 
-from __future__ import annotations
-
 import itertools
 from collections.abc import Iterator
 from dataclasses import replace
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -13,8 +10,6 @@ import xarray as xr
 from pydantic import Field
 
 from validation.arrays import Grid
-from validation.execution.bench import Bench
-from validation.execution.measurement import Call
 from validation.measurements.by_solver import beside_bem
 from validation.measurements.common import Ladder, RisingOrNone
 from validation.measurements.external_codes import (
@@ -24,15 +19,13 @@ from validation.measurements.external_codes import (
     installed_peers,
     known_peers,
 )
-from validation.measurements.limits import Measured, solved
 from validation.measurements.measurement import area_limits, grids_for, press_on_grids
 from validation.measurements.ways import AREAS, chosen_ways, covered, way, ways_of_bem
 from validation.report.estimates import NORMAL, error_of, gather
 from validation.report.views import Figure, Finding, Level, Line, Panel, Table, Views, against, finding, note
 from validation.studies._options import Methods, ReducedPressure, Seed, Surfaces
 from validation.studies._scene import PressedOptions, SolverRequest
-
-_ELEMENTS = ("Hex1", "Hex2")
+from validation.studies._study import Bench, Call, Measured, solved
 
 #: Of the solver: its error of the area is a tenth to a half of that, far below all that is to be told apart.
 _TOLERANCE, _FINE_TOLERANCE = 1e-5, 1e-8
@@ -77,22 +70,20 @@ class Options(PressedOptions):
 _Case = tuple[str, str, int]
 
 
-def _solvers(options: Options) -> Iterator[tuple[str, SolverRequest]]:
-    """Yield, with its part, each solver that gives an area by every definition on a single grid."""
-    for element in _ELEMENTS if "fem" in options.methods else ():
-        yield "FEM", options.block(element, options.fem_points_per_wave, name=f"FEM {element}")
+def _singles(options: Options) -> Iterator[tuple[str, str, SolverRequest, Grid]]:
+    """Yield what gives an area by every definition on a single grid: part, label for a definition, solver, grid."""
+    solvers: list[tuple[str, SolverRequest]] = []
+    for element in ("Hex1", "Hex2") if "fem" in options.methods else ():
+        block = options.block(element, options.fem_points_per_wave, name=f"FEM {element}")
+        solvers.append(("FEM", block))
     for code in options.peers:
         method, settings = asked_of(code)
         grids = grids_for(options.first, options.peer_points_per_wave)
-        yield "peers", SolverRequest(name=code, method=method, settings=settings, grids=grids)
+        solvers.append(("peers", SolverRequest(name=code, method=method, settings=settings, grids=grids)))
     for solver in options.others(options.method_points_per_wave):
         settings = tuple({"tolerance": _TOLERANCE, **dict(solver.settings)}.items())
-        yield "others", replace(solver, settings=settings)
-
-
-def _singles(options: Options) -> Iterator[tuple[str, str, SolverRequest, Grid]]:
-    """Yield part, label for a definition of the area, solver and grid."""
-    for part, solver in _solvers(options):
+        solvers.append(("others", replace(solver, settings=settings)))
+    for part, solver in solvers:
         for grid in solver.grids:
             per_wave = options.first.points_per_wave(grid)
             yield part, f"{solver.name} {{}}, {per_wave:g} per wave", solver, grid
@@ -110,8 +101,8 @@ def design(options: Options) -> dict[_Case, Call]:
         _singles(options), enumerate(options.pressed)
     ):
         share = _SOLVER_SHARE if part == "peers" else None
-        ask = partial(beside_bem, method=solver.method, settings=solver.settings, grid_share=share)
-        cases[part, label, k] = ask(problem=problem, grid=grid)
+        how = {"method": solver.method, "settings": solver.settings, "grid_share": share}
+        cases[part, label, k] = beside_bem(problem=problem, grid=grid, **how)
     return cases
 
 
@@ -131,19 +122,19 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     """
     measured = solved(bench, design(options))
     surfaces = range(options.surfaces)
-    limits = {
-        part: np.array([area_limits(measured[part, "", k]) for k in surfaces])[..., 0].T
+    (reference, uncertain), (claimed, claimed_error) = (
+        np.array([area_limits(measured[part, "", k]) for k in surfaces])[..., 0].T
         for part in ("fine", "coarse")
-    }
-    reference, uncertainty = limits["fine"][0], limits["fine"][1] / limits["fine"][0]
+    )
+    uncertainty = uncertain / reference
     ways = {way_data.attrs["way"]: way_data for way_data in _ways(options, measured)}
     data = gather(ways, "way").set_coords(["kind", "process"])
     data = data.assign_coords(surface=list(surfaces))
     data = data.assign(area_deviation_each=data.area_each / reference - 1).drop_vars("area_each")
     data = data.assign(
         reference_each_error=error_of(xr.DataArray(reference, dims="surface"), grid=NORMAL * uncertainty),
-        claimed_each=("surface", NORMAL * limits["coarse"][1] / reference),
-        missed_each=("surface", limits["coarse"][0] / reference - 1),
+        claimed_each=("surface", NORMAL * claimed_error / reference),
+        missed_each=("surface", claimed / reference - 1),
         reference_rms=float(np.sqrt(np.mean(uncertainty**2))),
     )
     data["area_deviation_rms"] = (data.area_deviation_each**2).mean("surface") ** 0.5

@@ -6,8 +6,6 @@ whole interface is beside the theory's gamma_eff. The range of the attraction, o
 short as the coarser grid resolves.
 """
 
-from __future__ import annotations
-
 import itertools
 import math
 from dataclasses import dataclass
@@ -21,10 +19,9 @@ from fem_contact.adhesion import CELLS_NEEDED
 from validation.effects.adhesion import Adhesion
 from validation.effects.base import full_contact_energy
 from validation.effects.hardness import Hardness
-from validation.execution.bench import Bench
 from validation.measurements.adhesive import Sticking
 from validation.measurements.common import base_case
-from validation.measurements.limits import ABSENT, straight_limit
+from validation.measurements.limits import straight_limit
 from validation.report.estimates import claim, derive, gather, mean, same_of_all
 from validation.report.views import (
     Figure,
@@ -39,6 +36,7 @@ from validation.report.views import (
 )
 from validation.scenes.tables import SolidSpec
 from validation.studies._options import Bandwidth, Periods, Positives, Seed, SurfaceOptions, above_one
+from validation.studies._study import ABSENT, Bench
 from validation.units import Positive, wrong
 
 #: Tire rubber (Persson 2006, Sec. 8.3).

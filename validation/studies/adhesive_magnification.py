@@ -7,10 +7,7 @@ strength that the theory's detachment stress has at the last wave, so that both 
 projected in both; A counts points whose gap is closed, and what F exceeds the load by is the pull outside the contact.
 """
 
-from __future__ import annotations
-
 import itertools
-from collections.abc import Iterator
 from typing import Annotated, Any
 
 import numpy as np
@@ -19,8 +16,6 @@ from pydantic import AfterValidator, Field
 
 from validation.effects.adhesion import Adhesion
 from validation.effects.base import full_contact_energy
-from validation.execution.bench import Bench
-from validation.execution.measurement import Call
 from validation.measurements.adhesive import (
     READINGS,
     Cut,
@@ -30,12 +25,13 @@ from validation.measurements.adhesive import (
     with_pooled_stress,
 )
 from validation.measurements.common import RisingSeveral, base_case, in_rising_order
-from validation.measurements.limits import ABSENT, solved, straight_limit
+from validation.measurements.limits import straight_limit
 from validation.report.estimates import claim, derive, gather, mean, same_of_all
-from validation.report.views import Figure, Finding, Line, Table, Views, against, finding
+from validation.report.views import Figure, Findings, Line, Table, Views, against, finding
 from validation.scenes.problem import ContactProblem
 from validation.scenes.tables import SolidSpec
 from validation.studies._options import Periods, SurfaceOptions, Surfaces
+from validation.studies._study import ABSENT, Bench, Call, solved
 from validation.units import Positive
 
 _LENGTH = 1e-5
@@ -199,7 +195,7 @@ def views(data: xr.Dataset) -> Views:
 _BESIDE = {"?": "beside"}
 
 
-def _findings(data: xr.Dataset, ends: list[int]) -> Iterator[Finding]:
+def _findings(data: xr.Dataset, ends: list[int]) -> Findings:
     full_work, effective = (data.isel(told=k) for k in (0, 1))
     holds = np.flatnonzero(np.isfinite(effective.area.values))
     gain = (

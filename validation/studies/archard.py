@@ -4,12 +4,10 @@ A wave in both directions stands for the largest sphere; shorter and lower ones 
 press it, and the power of the load that its area goes with stands beside Archard's 2/3, 8/9, 26/27 (Persson 2006, Sec. 1).
 """
 
-from __future__ import annotations
-
 import itertools
 import math
-from collections.abc import Iterator, Sequence
-from typing import Annotated
+from collections.abc import Sequence
+from typing import Annotated, Self
 
 import numpy as np
 import xarray as xr
@@ -19,16 +17,13 @@ from fem_contact.extrapolation import LEAST_CONTACT_POINTS
 from fem_contact.surface import HeightField
 from persson.archard import archard_hierarchy
 from validation.arrays import Array
-from validation.execution.bench import Bench
-from validation.execution.measurement import measurement
 from validation.measurements.common import BASE_SOLID, RisingGrids, RisingSeveral
 from validation.measurements.flow import located_area
-from validation.measurements.limits import ABSENT, stored_variables
 from validation.measurements.measurement import elastic_path
 from validation.report.estimates import claim, derive, mean, power_law
-from validation.report.views import Figure, Finding, Level, Line, Table, Views, against, finding
+from validation.report.views import Figure, Findings, Level, Line, Table, Views, against, finding
 from validation.studies._options import Positives, Seed, StudyOptions, Surfaces
-from validation.studies._study import gathered
+from validation.studies._study import ABSENT, Bench, gathered, measurement, stored_variables
 from validation.units import wrong
 
 #: Points of a grid on the shortest wave, fewer than which tell nothing of its bumps.
@@ -120,7 +115,7 @@ class Options(StudyOptions):
     seed: Seed = 2006
 
     @model_validator(mode="after")
-    def _bumps_are_resolved(self) -> Options:
+    def _bumps_are_resolved(self) -> Self:
         if len(self.heights) != len(self.waves):
             raise wrong(
                 f"--heights: {len(self.heights)} of {len(self.waves)} levels; give one for each of --waves"
@@ -215,7 +210,7 @@ def views(data: xr.Dataset) -> Views:
     )
 
 
-def _findings(data: xr.Dataset) -> Iterator[Finding]:
+def _findings(data: xr.Dataset) -> Findings:
     yield finding(
         "comparison",
         "The area goes with the load to these powers, over positions of the levels and with the change from the "

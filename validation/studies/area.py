@@ -4,21 +4,19 @@ Its solves are those of scenes, so that the two share stored solves and it takes
 smallest study, and the one to copy for a new one; `pressure` answers the question in depth, from numbers alone.
 """
 
-from __future__ import annotations
-
 import itertools
 
 import numpy as np
 import xarray as xr
 
 from validation.arrays import Grid
-from validation.execution.bench import Bench
 from validation.measurements.common import Rising
 from validation.measurements.limits import limit_of, resolved_grids
 from validation.report.estimates import derive, gather, mean, spread
 from validation.report.views import Figure, Table, Views, against, finding, note
 from validation.studies._options import Bandwidth, Periods, Seed, Surfaces
 from validation.studies._scene import PressedOptions
+from validation.studies._study import Bench
 
 
 class Options(PressedOptions):

@@ -5,28 +5,35 @@ every point is compared with that before. In the theory it diffuses with D = 1 a
 is lost for good. Each of these is measured, and the budgets of area, load and mean square pressure that they make up.
 """
 
-from __future__ import annotations
-
 import itertools
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from typing import Annotated, Any, Self
 
 import numpy as np
 import xarray as xr
 from pydantic import AfterValidator, Field, model_validator
 
-from validation.execution.bench import Bench
 from validation.measurements.budgets import PROFILE_EDGES
 from validation.measurements.common import Resolved, Rising, RisingSeveral, base_case
 from validation.measurements.diffusion import HALF, SQUARE_TERMS, budgets_of, with_diffusion_terms
 from validation.measurements.edge import slopes_of
-from validation.measurements.limits import ABSENT
 from validation.measurements.measurement import even_points
 from validation.measurements.rings import RING, chain, probe, ring_ends
 from validation.report.estimates import claim, derive, gather, nearest
-from validation.report.views import Figure, Finding, Line, Panel, Table, Views, against, finding, panels_along
+from validation.report.views import (
+    Figure,
+    Findings,
+    Line,
+    Panel,
+    Table,
+    Views,
+    against,
+    finding,
+    panels_along,
+)
 from validation.scenes.problem import ContactProblem
 from validation.studies._options import Hurst, Seed, StudyOptions, Surfaces
+from validation.studies._study import ABSENT, Bench
 from validation.units import wrong
 
 
@@ -217,7 +224,7 @@ _CAPTIONS = {
 }
 
 
-def _findings(data: xr.Dataset) -> Iterator[Finding]:
+def _findings(data: xr.Dataset) -> Findings:
     data = data.isel(load=np.flatnonzero((data.area.isel(level=-1) < 0.999).all("hurst").values))
     probed = data.isel(probe=-1).rename(probe="place")
     yield finding(

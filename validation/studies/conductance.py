@@ -4,24 +4,17 @@ The contact set is held and pressed a little further: the stiffness, which is th
 in other units (Barber 2003). A light contact of few long waves stands on few spots, so the sample size is a dial.
 """
 
-from __future__ import annotations
-
-from collections.abc import Iterator
-
 import numpy as np
 import xarray as xr
 
-from validation.execution.bench import Bench
-from validation.execution.measurement import Call
 from validation.measurements.common import SHIFTS, Rising, RisingSeveral, base_case
 from validation.measurements.flow import stiffness_of
-from validation.measurements.limits import ABSENT
 from validation.measurements.measurement import grids_for, press_on_grids
 from validation.measurements.theory import WITH_ENERGY
 from validation.report.estimates import claim, derive, mean, same_of_all, spread
-from validation.report.views import Figure, Finding, Level, Table, Views, against, finding
+from validation.report.views import Figure, Findings, Level, Table, Views, against, finding
 from validation.studies._options import Bandwidth, Shifts, SurfaceOptions, Surfaces
-from validation.studies._study import gathered
+from validation.studies._study import ABSENT, Bench, Call, gathered
 
 #: Light load, as p*: there the stiffness should go with the load.
 _LIGHT = 0.05
@@ -116,7 +109,7 @@ def views(data: xr.Dataset) -> Views:
     )
 
 
-def _findings(data: xr.Dataset) -> Iterator[Finding]:
+def _findings(data: xr.Dataset) -> Findings:
     if bool((data.reduced_pressure_between <= _LIGHT).any()):
         yield finding(
             "comparison",

@@ -4,9 +4,6 @@ Held under a load, a contact only grows, and its area is that of an elastic soli
 needs no more than that modulus. When a part of the load is taken off, the solid remembers, and nothing simple holds.
 """
 
-from __future__ import annotations
-
-from collections.abc import Iterator
 from typing import Annotated, Any
 
 import numpy as np
@@ -19,18 +16,15 @@ from fem_contact.solid import Solid
 from fem_contact.viscoelastic import PronySolid
 from persson import elastic
 from validation.arrays import Array, Grid
-from validation.execution.bench import Bench
-from validation.execution.measurement import Call, measurement
 from validation.measurements.common import RisingSeveral, base_case, in_rising_order
-from validation.measurements.limits import ABSENT
 from validation.measurements.measurement import grids_for, press_elastic
 from validation.measurements.theory import RANKED, VARIANTS, variant_areas
 from validation.report.estimates import derive, error_of, mean, same_of_all, spread
-from validation.report.views import Figure, Finding, Table, Views, against, finding
+from validation.report.views import Figure, Findings, Table, Views, against, finding
 from validation.scenes.problem import ContactProblem
 from validation.scenes.tables import SolidSpec
 from validation.studies._rubber import RubberOptions
-from validation.studies._study import gathered
+from validation.studies._study import ABSENT, Bench, Call, gathered, measurement
 from validation.units import Duration
 
 _Durations = Annotated[tuple[Duration, ...], Field(min_length=1), AfterValidator(in_rising_order)]
@@ -180,7 +174,7 @@ def views(data: xr.Dataset) -> Views:
     )
 
 
-def _findings(data: xr.Dataset) -> Iterator[Finding]:
+def _findings(data: xr.Dataset) -> Findings:
     held, unloaded = (data.isel(phase=k) for k in range(2))
     some = spread(data, "instant")
     form = "Held, A/A0 is {each}."

@@ -1,7 +1,5 @@
 """Do finite elements, or other solvers, and boundary elements agree on the same surface and grid, and ever better with refinement?"""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from typing import Annotated, Any, Self
 
@@ -9,17 +7,15 @@ import numpy as np
 import xarray as xr
 from pydantic import Field, model_validator
 
-from validation.execution.bench import Bench
 from validation.measurements.by_solver import beside_bem
 from validation.measurements.common import Rising, RisingOrNone
-from validation.measurements.limits import read_off
 from validation.report.estimates import derive, each, mean, power_law, reduce
 from validation.report.views import Figure, Table, Views, against, finding
 from validation.scenes.problem import ContactProblem
 from validation.scenes.scene import Scene
 from validation.studies._options import Bandwidth, Element, Methods, Periods, ReducedPressure
 from validation.studies._scene import PressedOptions, SolverRequest
-from validation.studies._study import gathered
+from validation.studies._study import Bench, gathered, read_off
 from validation.units import wrong
 
 

@@ -1,7 +1,5 @@
 """How deep must the block be, how fast may its layers grow, and which element does it take?"""
 
-from __future__ import annotations
-
 import itertools
 from dataclasses import dataclass
 from typing import Annotated
@@ -9,16 +7,14 @@ from typing import Annotated
 import xarray as xr
 from pydantic import Field
 
-from validation.execution.bench import Bench
 from validation.measurements.by_solver import beside_bem
 from validation.measurements.common import BASE_SOLID, Rising, base_case
-from validation.measurements.limits import read_off
 from validation.measurements.measurement import grid_for
 from validation.report.estimates import claim
 from validation.report.views import Figure, Finding, Line, Table, Views, against, finding
 from validation.scenes.tables import SolidSpec
 from validation.studies._options import Element, ReducedPressure, Seed, StudyOptions
-from validation.studies._study import gathered
+from validation.studies._study import Bench, gathered, read_off
 
 
 class Options(StudyOptions):

@@ -5,24 +5,20 @@ energy against the work of the load, stiffness against neighbouring loads, full 
 the tolerance leaves. The path of loads is that of `pressure`: with the same options the two share their solves.
 """
 
-from __future__ import annotations
-
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
 from validation.arrays import Array
-from validation.execution.bench import Bench
-from validation.execution.measurement import Call
 from validation.measurements.common import Resolved, RisingSeveral
-from validation.measurements.limits import solved
 from validation.measurements.measurement import TOLERANCE, reduced_numbers
 from validation.report.estimates import claim_shares, derive
-from validation.report.views import Figure, Finding, Line, Table, Views, against, finding, note
+from validation.report.views import Figure, Findings, Line, Table, Views, against, finding, note
 from validation.studies import pressure
 from validation.studies._options import Shifts, Surfaces
+from validation.studies._study import Bench, Call, solved
 from validation.studies.pressure import AGREEMENT, design, measured_path
 from validation.theories.persson_variants import persson_readings
 from validation.theories.predicted import NEARLY_FULL, beside, distances, ranked
@@ -134,7 +130,7 @@ def views(data: xr.Dataset) -> Views:
     )
 
 
-def _findings(data: xr.Dataset) -> Iterator[Finding]:
+def _findings(data: xr.Dataset) -> Findings:
     for name in _COMPARED:
         yield ranked(
             f"{pressure.TITLES[name]}, mean |ln| of simulated over predicted values where A/A0 < {NEARLY_FULL}: {{order}}.",

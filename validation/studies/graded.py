@@ -4,8 +4,6 @@ The theory weights E(z) with the decay of the wave (Persson 2006, Sec. 5) and cl
 changes little over 1/q, E'/(E q) < 1. Boundary elements take the exact compliance of the layered solid.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Self
 
@@ -18,10 +16,10 @@ from fem_contact.response import Response
 from fem_contact.solid import Solid
 from persson.graded import ExponentialLayers, SurfaceLayer
 from validation.arrays import Array
-from validation.execution.bench import Bench
 from validation.report.estimates import derive
 from validation.report.views import Figure, Table, Views, against, finding
 from validation.studies._options import Positives, StudyOptions
+from validation.studies._study import Bench
 from validation.units import wrong
 
 

@@ -5,8 +5,6 @@ and against magnification as the same surfaces gain wave after wave, beside the 
 gradient of the same surfaces; and the spectrum of the smoothed surface left behind, beside Persson's.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Annotated, Any, Self
 
@@ -21,11 +19,11 @@ from validation.arrays import Array
 from validation.effects.base import TheoryInputs
 from validation.effects.hardness import Hardness
 from validation.effects.smoothing import Smoothing
-from validation.execution.bench import Bench, Solves
+from validation.execution.bench import Solves
 from validation.execution.press import Press
 from validation.measurements.common import BASE_SOLID, Counts, base_case
 from validation.measurements.grid_roughness import squared_gradient
-from validation.measurements.limits import ABSENT, straight_limit
+from validation.measurements.limits import straight_limit
 from validation.report.estimates import claim, derive, gather, mean, spread
 from validation.report.views import (
     Column,
@@ -41,6 +39,7 @@ from validation.report.views import (
 from validation.scenes.problem import ContactProblem
 from validation.solvers.theory import predict, smoothed_spectrum
 from validation.studies._options import Bandwidth, Periods, Positives, Seed, SurfaceOptions, above_one
+from validation.studies._study import ABSENT, Bench
 from validation.units import Positive, wrong
 
 _MODULUS = BASE_SOLID.young / (1 - BASE_SOLID.poisson**2)

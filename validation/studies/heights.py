@@ -4,10 +4,7 @@ Surfaces with a roll-off, as roads have one (Persson 2006, Sec. 2.1): the distri
 samples of rising size; and two spectra that differ in their long waves alone, pressed with the same load.
 """
 
-from __future__ import annotations
-
 import math
-from collections.abc import Iterator
 from typing import Any, Self
 
 import numpy as np
@@ -17,17 +14,15 @@ from scipy.special import ndtr
 
 from persson.heights import height_distribution
 from validation.arrays import Grid
-from validation.execution.bench import Bench
-from validation.execution.measurement import Call, measurement
 from validation.measurements.common import Rising, base_case
 from validation.measurements.flow import located_area
-from validation.measurements.limits import ABSENT, solved, stored_variables
 from validation.measurements.measurement import elastic_path, grid_for
 from validation.report.estimates import claim, derive, gather, mean, spread
-from validation.report.views import Figure, Finding, Level, Line, Table, Views, against, finding
+from validation.report.views import Figure, Findings, Level, Line, Table, Views, against, finding
 from validation.scenes.problem import ContactProblem
 from validation.scenes.surfaces import spectrum_of
 from validation.studies._options import Bandwidth, SurfaceOptions, Surfaces
+from validation.studies._study import ABSENT, Bench, Call, measurement, solved, stored_variables
 from validation.units import wrong
 
 #: Edges of the bins of h/h_rms.
@@ -199,7 +194,7 @@ def views(data: xr.Dataset) -> Views:
     )
 
 
-def _findings(data: xr.Dataset) -> Iterator[Finding]:
+def _findings(data: xr.Dataset) -> Findings:
     for name, quantity in (("skewness", "Skewness"), ("excess_kurtosis", "Excess kurtosis")):
         item = f"{{{name}}} at {{periods}}, {{verdict}} zero"
         yield finding(

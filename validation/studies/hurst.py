@@ -1,7 +1,5 @@
 """How does kappa = (A/A0)/p* depend on the Hurst exponent, and is it the Nayak parameter that matters?"""
 
-from __future__ import annotations
-
 import itertools
 from collections.abc import Mapping
 from functools import partial
@@ -11,13 +9,11 @@ import xarray as xr
 from pydantic import Field
 
 from persson.elastic import KAPPA_BGT, KAPPA_PERSSON
-from validation.execution.bench import Bench
-from validation.execution.measurement import Call
 from validation.measurements.by_solver import beside_bem
 from validation.measurements.common import SHIFTS, Ladder, Rising
 from validation.measurements.convergence import Ladders, bandwidth_of, pressed_pairs, spectral_errors
 from validation.measurements.grids import method_limit
-from validation.measurements.limits import Measured, limits_of, solved
+from validation.measurements.limits import limits_of
 from validation.measurements.measurement import TOLERANCES_LEFT, grid_for
 from validation.measurements.references import ladders_beside_published, papers_of, published
 from validation.measurements.theory import RANKED, VARIANTS, ensemble_area, with_variants
@@ -35,6 +31,7 @@ from validation.studies._options import (
     Shifts,
     StudyOptions,
 )
+from validation.studies._study import Bench, Call, Measured, solved
 
 
 class Options(StudyOptions):

@@ -17,18 +17,15 @@ from pydantic import Field
 from fem_contact.errors import NotConverged
 from fem_contact.settings import one_blas_thread
 from validation.arrays import Array, Grid
-from validation.execution.bench import Bench
-from validation.execution.measurement import measurement
 from validation.execution.solve import Prediction
 from validation.measurements.common import BASE_SOLID, Rising, RisingSeveral, base_case
-from validation.measurements.limits import read_off
 from validation.measurements.measurement import grid_for
 from validation.report.estimates import claim, derive, mean, total_error
 from validation.report.views import Figure, Finding, Table, Views, against, finding
 from validation.scenes.problem import ContactProblem
 from validation.scenes.tables import SolidSpec
 from validation.studies._options import Bandwidth, Periods, SurfaceOptions, Surfaces
-from validation.studies._study import gathered
+from validation.studies._study import Bench, gathered, measurement, read_off
 
 if TYPE_CHECKING:
     from fem_contact.block import FiniteStrain

@@ -5,24 +5,29 @@ Reynolds' equation is solved in the gap, along x and along y, beside Bruggeman's
 of the widest path; the distribution of gaps stands beside the theory's.
 """
 
-from __future__ import annotations
-
-from collections.abc import Iterator
 from typing import Annotated
 
 import xarray as xr
 from pydantic import Field
 
 from persson.percolation import SITE_THRESHOLD
-from validation.execution.bench import Bench
 from validation.measurements.common import Rising, base_case
 from validation.measurements.flow import GAP_THEORIES, NARROW, flow_of, leaks
-from validation.measurements.limits import ABSENT
 from validation.measurements.measurement import grid_for
 from validation.report.estimates import claim, derive, mean, same_of_all, spread
-from validation.report.views import Figure, Finding, Level, Line, Table, Views, against, finding, panels_along
+from validation.report.views import (
+    Figure,
+    Findings,
+    Level,
+    Line,
+    Table,
+    Views,
+    against,
+    finding,
+    panels_along,
+)
 from validation.studies._options import Periods, SurfaceOptions, Surfaces
-from validation.studies._study import gathered
+from validation.studies._study import ABSENT, Bench, gathered
 
 #: A/A0 of the tire rim as the paper prints it (Sec. 8.3), which it compares with its threshold.
 _RIM = 0.44
@@ -118,7 +123,7 @@ def views(data: xr.Dataset) -> Views:
     )
 
 
-def _findings(data: xr.Dataset) -> Iterator[Finding]:
+def _findings(data: xr.Dataset) -> Findings:
     last = data.isel(bandwidth=-1)
     yield finding(
         "comparison",

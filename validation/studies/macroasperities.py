@@ -4,9 +4,6 @@ One surface with a roll-off is pressed with its waves up to rising magnification
 of contact break up, contact and gap join up, and the regions seen where ln A bends most are the macroasperities.
 """
 
-from __future__ import annotations
-
-from collections.abc import Iterator
 from typing import Annotated, Any
 
 import numpy as np
@@ -16,16 +13,14 @@ from pydantic import Field
 from persson.errors import OutsideTheory
 from persson.percolation import SITE_THRESHOLD
 from persson.separation import macroasperity_magnification
-from validation.execution.bench import Bench
-from validation.execution.measurement import Call
 from validation.measurements.common import Rising, RisingOrNone, RisingSeveral, base_case
-from validation.measurements.limits import ABSENT, solved, stored_variables
 from validation.measurements.magnified import magnified
 from validation.measurements.measurement import grid_for
 from validation.report.estimates import claim, derive, gather, mean, nearest, ratio_of_means
-from validation.report.views import Figure, Finding, Level, Line, Table, Views, against, finding
+from validation.report.views import Figure, Finding, Findings, Level, Line, Table, Views, against, finding
 from validation.scenes.problem import ContactProblem
 from validation.studies._options import Bandwidth, Periods, SurfaceOptions, Surfaces
+from validation.studies._study import ABSENT, Bench, Call, solved, stored_variables
 
 
 class Options(SurfaceOptions):
@@ -246,7 +241,7 @@ def _macroasperities(data: xr.Dataset, which: str, of: str) -> Finding:
     )
 
 
-def _findings(data: xr.Dataset) -> Iterator[Finding]:
+def _findings(data: xr.Dataset) -> Findings:
     roll_off = data.isel(magnification=nearest(data.magnification, 1.0))
     if "percolation_area" in data:
         form = "As waves are added the contact comes apart and the gap opens (the same event along the other axis, but for "

@@ -1,7 +1,5 @@
 """How does the contact area fall as shorter and shorter waves are added to one surface?"""
 
-from __future__ import annotations
-
 import itertools
 
 import numpy as np
@@ -9,8 +7,6 @@ import xarray as xr
 
 from persson import elastic
 from validation.errors import UsageError
-from validation.execution.bench import Bench
-from validation.execution.measurement import Call
 from validation.measurements.common import SHIFTS, Ladder, Rising
 from validation.measurements.limits import limits_of
 from validation.measurements.measurement import TOLERANCE, press_on_grids, truncated_heights
@@ -19,7 +15,7 @@ from validation.report.estimates import derive, mean
 from validation.report.views import Figure, Table, Views, against, finding
 from validation.studies._options import Bandwidth, Shifts, Surfaces
 from validation.studies._scene import PressedOptions
-from validation.studies._study import gathered
+from validation.studies._study import Bench, Call, gathered
 
 
 class Options(PressedOptions):

@@ -3,15 +3,9 @@
 `energy` and `theory-verdict` ask of the same path of loads: with the same options the three share its solves.
 """
 
-from __future__ import annotations
-
-from collections.abc import Iterator
-
 import numpy as np
 import xarray as xr
 
-from validation.execution.bench import Bench
-from validation.execution.measurement import Call
 from validation.measurements.common import SHIFTS, Ladder, Rising
 from validation.measurements.distributions import largest_difference
 from validation.measurements.load_path import SHARES, moved_shares, pooled_shares, reduced_path
@@ -19,10 +13,10 @@ from validation.measurements.measurement import TOLERANCE, press_on_grids
 from validation.measurements.theory import RANKED, modes_finding
 from validation.report.estimates import change, derive, mean, ratio_of_means
 from validation.report.values import value_of
-from validation.report.views import Column, Figure, Finding, Level, Line, Table, Views, against, finding
+from validation.report.views import Column, Figure, Findings, Level, Line, Table, Views, against, finding
 from validation.studies._options import Shifts
 from validation.studies._scene import PressedOptions
-from validation.studies._study import gathered
+from validation.studies._study import Bench, Call, gathered
 from validation.theories.persson_variants import persson_variants
 from validation.theories.predicted import COMPARED, beside, stress_shares
 
@@ -124,7 +118,7 @@ def views(data: xr.Dataset) -> Views:
     )
 
 
-def _findings(data: xr.Dataset, some: xr.Dataset) -> Iterator[Finding]:
+def _findings(data: xr.Dataset, some: xr.Dataset) -> Findings:
     form = "The contact area is {each} (lambda_long/lambda_short = {bandwidth})."
     item = "{verdict} Persson's, {area_excess:+%}, at A/A0 = {area:~}"
     yield finding("comparison", form, some, item=item, by="area_excess")

@@ -5,26 +5,22 @@ area follows the fine one from surface to surface, most are only looked at; toge
 of a spectrum (`validation.measurements.controlled`). It is made once, shipped, and read by `fem-contact reference`.
 """
 
-from __future__ import annotations
-
 import itertools
-from collections.abc import Iterator
 from typing import Annotated, Any, Literal, Self
 
 import numpy as np
 import xarray as xr
 from pydantic import Field, model_validator
 
-from validation.execution.bench import Bench
 from validation.measurements.common import Counts, Ladder, Rising, RisingOrNone, base_case
-from validation.measurements.limits import solved
 from validation.measurements.table_samples import QUANTITIES, SampledSpectrum, joined, with_size
 from validation.measurements.theory import VARIANTS, with_variants
 from validation.reference.citable import citable
 from validation.reference.fit import at_equal_alpha
 from validation.report.estimates import claim, derive, gather, total_error
-from validation.report.views import Figure, Finding, Line, Table, Views, against, finding, panels_along
+from validation.report.views import Figure, Findings, Line, Table, Views, against, finding, panels_along
 from validation.studies._options import Periods, Seed, StudyOptions
+from validation.studies._study import Bench, solved
 from validation.units import wrong
 
 #: Numbers of pairs are those of the options at this bandwidth, and in proportion to its inverse at others: surfaces with
@@ -234,7 +230,7 @@ def views(data: xr.Dataset) -> Views:
     )
 
 
-def _findings(whole: xr.Dataset, few: list[int]) -> Iterator[Finding]:
+def _findings(whole: xr.Dataset, few: list[int]) -> Findings:
     data, at = whole.isel(reduced_pressure=few), "at p* = {reduced_pressure}"
     form = "Half of the 95 % interval of A/A0 is {each} (surfaces, grid, solver, size; L/lambda_long = {periods})."
     item = "{interval_median:%} in the median and {interval_worst:%} at worst " + at

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import csv
-from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
@@ -16,7 +15,7 @@ from validation.files import reason
 from validation.measurements.theory import Waves
 from validation.reference.theory import lowest_wave, table_spectrum
 from validation.report.estimates import derive, total_error
-from validation.report.views import Figure, Finding, Image, Table, Views, against, finding, panels_along
+from validation.report.views import Figure, Findings, Image, Table, Views, against, finding, panels_along
 from validation.studies._options import StudyOptions
 from validation.theories import Rough, Theory, find_theory
 
@@ -85,7 +84,7 @@ def views(data: xr.Dataset) -> Views:
     return Views(table=table, budget=("area",), figures=figures, findings=[*_findings(data)])
 
 
-def _findings(data: xr.Dataset) -> Iterator[Finding]:
+def _findings(data: xr.Dataset) -> Findings:
     worst = data.isel(abs(data.theory_excess).fillna(-1.0).argmax(_CELL))
     form = "Farthest from the table: {each}."
     item = "{theory} lies {verdict} it, by {theory_excess:+%}, at H = {hurst}, bandwidth {bandwidth}, p* = {reduced_pressure}"

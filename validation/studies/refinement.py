@@ -1,7 +1,5 @@
 """By how much does a grid overestimate the contact area, and what remains of the distance to the theory?"""
 
-from __future__ import annotations
-
 import itertools
 import math
 from dataclasses import replace
@@ -12,8 +10,6 @@ import numpy as np
 import xarray as xr
 from pydantic import Field, model_validator
 
-from validation.execution.bench import Bench
-from validation.execution.measurement import Call
 from validation.measurements.by_solver import beside_bem
 from validation.measurements.common import SHIFTS, Ladder, RisingOrNone
 from validation.measurements.convergence import Ladders, spectral_errors
@@ -27,7 +23,7 @@ from validation.measurements.grids import (
     with_distances,
     with_methods,
 )
-from validation.measurements.limits import Measured, solved, solver_error
+from validation.measurements.limits import solver_error
 from validation.measurements.measurement import TOLERANCE, grids_for, press_on_grids
 from validation.measurements.references import beside_published, papers_of
 from validation.measurements.theory import ensemble_area
@@ -35,6 +31,7 @@ from validation.report.estimates import claim_shares, gather
 from validation.studies._options import Element, Hurst, Methods, ReducedPressure, Shifts, Surfaces
 from validation.studies._refinement_views import views as views
 from validation.studies._scene import PressedOptions, SolverRequest
+from validation.studies._study import Bench, Call, Measured, solved
 from validation.units import wrong
 
 #: Tolerance of the finite elements that shows what their usual one leaves; finest grid of that check of boundary elements,

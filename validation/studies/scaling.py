@@ -5,10 +5,7 @@ that one decade more costs a factor of 100 at least, and 2, at most 3 decades ca
 bandwidth: each surface has waves down to the same number of grid spacings, so that nothing is merely interpolated.
 """
 
-from __future__ import annotations
-
 import itertools
-from collections.abc import Iterator
 from typing import Self
 
 import numpy as np
@@ -16,18 +13,15 @@ import xarray as xr
 from pydantic import Field, model_validator
 
 from validation.arrays import Grid
-from validation.execution.bench import Bench
-from validation.execution.measurement import measurement
 from validation.files import available_memory
 from validation.measurements.common import RisingGrids, base_case
 from validation.measurements.flow import located_area
-from validation.measurements.limits import read_off
 from validation.measurements.measurement import press_elastic
 from validation.report.estimates import derive, power_law, reduce
-from validation.report.views import Figure, Finding, Line, Table, Views, against, finding
+from validation.report.views import Figure, Findings, Line, Table, Views, against, finding
 from validation.scenes.problem import ContactProblem
 from validation.studies._options import Periods, ReducedPressure, Seed, SurfaceOptions, Surfaces
-from validation.studies._study import gathered
+from validation.studies._study import Bench, gathered, measurement, read_off
 from validation.units import wrong
 
 _COSTS = ("seconds", "fft_pairs", "peak_bytes")
@@ -132,7 +126,7 @@ def views(data: xr.Dataset) -> Views:
     )
 
 
-def _findings(data: xr.Dataset) -> Iterator[Finding]:
+def _findings(data: xr.Dataset) -> Findings:
     form = "Costs grow as powers of the number of points N: time {exponent_seconds}, pairs of transforms "
     form += "{exponent_fft_pairs}, memory {exponent_peak_bytes}."
     yield finding("value", form, data)

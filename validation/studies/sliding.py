@@ -5,11 +5,8 @@ computed twice, by the pressure on the slopes and by what the solid loses; their
 stands Persson's integral with the full energy and with half of it. The solid is a standard solid, a Prony series or a table.
 """
 
-from __future__ import annotations
-
 import io
 import math
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Annotated, Any, Self
 
@@ -24,20 +21,17 @@ from fem_contact.viscoelastic import PronySolid, TabulatedSolid
 from persson.sliding import friction_of_waves
 from validation.arrays import Grid
 from validation.errors import UsageError
-from validation.execution.bench import Bench
-from validation.execution.measurement import Call, measurement
 from validation.files import read_whole
 from validation.measurements.common import RisingSeveral, base_case, in_rising_order
-from validation.measurements.limits import ABSENT
 from validation.measurements.measurement import grids_for
 from validation.measurements.theory import RANKED, VARIANTS, variant_areas, wave_powers
 from validation.report.estimates import claim, derive, mean, same_of_all, spread
 from validation.report.values import Value
-from validation.report.views import Figure, Finding, Table, Views, against, finding
+from validation.report.views import Figure, Finding, Findings, Table, Views, against, finding
 from validation.scenes.problem import ContactProblem
 from validation.scenes.tables import SolidSpec
 from validation.studies._rubber import RubberOptions
-from validation.studies._study import gathered
+from validation.studies._study import ABSENT, Bench, Call, gathered, measurement
 from validation.units import Length, Velocity, wrong
 
 _Velocities = Annotated[tuple[Velocity, ...], Field(min_length=1), AfterValidator(in_rising_order)]
@@ -239,7 +233,7 @@ def views(data: xr.Dataset) -> Views:
     )
 
 
-def _findings(data: xr.Dataset) -> Iterator[Finding]:
+def _findings(data: xr.Dataset) -> Findings:
     form = "Friction is largest at v = {velocity} m/s: mu = {friction} h'_rms, {friction_dissipated:~} by losses."
     yield finding("value", form, data.isel(velocity=int(data.friction.values.argmax())))
     yield finding(

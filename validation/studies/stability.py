@@ -5,8 +5,6 @@ down beforehand), refuse by name, or say that it did not converge. Anything else
 itself converged, a NaN, an exception that is no refusal - is a failure of the method.
 """
 
-from __future__ import annotations
-
 import math
 import time
 from collections.abc import Sequence
@@ -19,12 +17,12 @@ from pydantic import Field, ValidationInfo, field_validator
 from fem_contact.contact import Status
 from fem_contact.errors import FemContactError
 from persson.errors import PerssonError
-from validation.execution.bench import Bench
 from validation.measurements.hard_cases import CASES, HardCase, elastic_cases
 from validation.report.estimates import gather
 from validation.report.views import Figure, Finding, Level, Line, Table, Views, against, finding
 from validation.solvers import chosen_solver
 from validation.studies._options import AnyMethods, StudyOptions
+from validation.studies._study import Bench
 from validation.units import wrong
 
 #: What can happen at one value, from good to bad.

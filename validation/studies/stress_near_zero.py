@@ -1,7 +1,5 @@
 """Does P(sigma) vanish at sigma = 0, with which slope, and is it the slope of the theory?"""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator
 
@@ -10,14 +8,13 @@ from pydantic import Field
 
 from persson import elastic
 from validation.errors import UsageError
-from validation.execution.bench import Bench
 from validation.measurements.common import Rising
 from validation.measurements.edge import edge_limits, edge_of_contact, start_of_pressure
-from validation.measurements.limits import solved
 from validation.report.estimates import change, derive, gather, mean, power_law, spread
-from validation.report.views import Figure, Finding, Level, Line, Table, Views, against, finding
+from validation.report.views import Figure, Findings, Level, Line, Table, Views, against, finding
 from validation.studies._options import Bandwidth, Methods, ReducedPressure, Surfaces
 from validation.studies._scene import PressedOptions
+from validation.studies._study import Bench, solved
 
 
 class Options(PressedOptions):
@@ -117,7 +114,7 @@ def views(data: xr.Dataset) -> Views:
     )
 
 
-def _findings(data: xr.Dataset) -> Iterator[Finding]:
+def _findings(data: xr.Dataset) -> Findings:
     named = "{method}: " if data.sizes["method"] > 1 else ""
     yield finding(
         "comparison",

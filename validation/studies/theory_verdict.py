@@ -1,22 +1,17 @@
 """How good is Persson's theory, quantity by quantity and range by range, and are its variants better?"""
 
-from __future__ import annotations
-
-from collections.abc import Iterator
-
 import numpy as np
 import xarray as xr
 
-from validation.execution.bench import Bench
 from validation.measurements.convergence import Ladders, spectral_errors
 from validation.measurements.distributions import largest_difference
-from validation.measurements.limits import solved
 from validation.measurements.load_path import moved_shares
 from validation.measurements.measurement import TOLERANCE, TOLERANCES_LEFT
 from validation.measurements.theory import RANKED, modes_finding
 from validation.report.estimates import claim_shares
-from validation.report.views import Figure, Finding, Table, Views, against
+from validation.report.views import Figure, Findings, Table, Views, against
 from validation.studies import pressure
+from validation.studies._study import Bench, solved
 from validation.theories import find_theory
 from validation.theories.persson_variants import persson_variants
 from validation.theories.predicted import COMPARED, NEARLY_FULL, beside, distances, ranked, stress_shares
@@ -96,7 +91,7 @@ def views(data: xr.Dataset) -> Views:
     )
 
 
-def _findings(data: xr.Dataset) -> Iterator[Finding]:
+def _findings(data: xr.Dataset) -> Findings:
     for name in COMPARED:
         yield ranked(
             f"{pressure.TITLES[name]}, mean |ln| of simulated over predicted values where A/A0 < {NEARLY_FULL}, at "

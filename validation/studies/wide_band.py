@@ -4,9 +4,6 @@ Three laws of the distance from the theory in the Nayak parameter are fitted to 
 that they were not shown. The areas are shipped (`validation.reference.wide`); nothing is solved.
 """
 
-from __future__ import annotations
-
-from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -15,14 +12,14 @@ import xarray as xr
 from validation import reference
 from validation.arrays import Array
 from validation.errors import UsageError
-from validation.execution.bench import Bench
 from validation.execution.store import read_numbers
 from validation.measurements.table_samples import joined
 from validation.reference.fit import nayak
 from validation.reference.laws import LAWS, fit
 from validation.report.estimates import LIMIT, claim, derive, total_error
-from validation.report.views import Figure, Finding, Line, Table, Views, against, finding, panels_along
+from validation.report.views import Figure, Findings, Line, Table, Views, against, finding, panels_along
 from validation.studies._options import StudyOptions
+from validation.studies._study import Bench
 from validation.units import Positive
 
 #: Distance from the theory that counts as none.
@@ -152,7 +149,7 @@ def views(data: xr.Dataset) -> Views:
     )
 
 
-def _findings(data: xr.Dataset, at: xr.Dataset) -> Iterator[Finding]:
+def _findings(data: xr.Dataset, at: xr.Dataset) -> Findings:
     widest = at.isel(bandwidth=np.flatnonzero(at.area.notnull().all("hurst"))[-1])
     form = "At infinite bandwidth, p* = {reduced_pressure}, the saturating law through all bands ends {each}."
     item = "{verdict} the theory at H = {hurst}, by {area_excess_limit:%}"

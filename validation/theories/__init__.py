@@ -4,8 +4,6 @@ A theory is a subclass of `Theory` in a module of this package, or one that anot
 entry-point group ``fem_contact.theories``. A user's own functions need neither: ``my_module:area``.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from functools import cache
 

@@ -1,7 +1,5 @@
 """Sums over independent summits: Bush, Gibson and Thomas, Greenwood Williamson, Carbone, Bottiglione."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

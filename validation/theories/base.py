@@ -1,10 +1,8 @@
 """What a theory is: functions of pressure and roughness, of which it has the area and may have others."""
 
-from __future__ import annotations
-
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import ClassVar, Self
 
 from persson.spectrum import Moments, Spectrum
 from validation.arrays import Array
@@ -22,7 +20,7 @@ class Rough:
     waves: Waves  # Of the realised surface, in units of E*
 
     @classmethod
-    def of(cls, problem: ContactProblem) -> Rough:
+    def of(cls, problem: ContactProblem) -> Self:
         """Return what is told of a surface."""
         m0, m2, m4 = problem.field.moments
         return cls(

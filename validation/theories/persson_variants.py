@@ -1,7 +1,5 @@
 """Persson's theory and its variants with a corrected elastic energy."""
 
-from __future__ import annotations
-
 from typing import ClassVar
 
 import numpy as np

@@ -1,7 +1,5 @@
 """What theories say along a path of loads: area, gap, energy, compliance, P(sigma)."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace

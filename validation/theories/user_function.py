@@ -1,13 +1,11 @@
 """A theory of the user's own: functions of a module, by name."""
 
-from __future__ import annotations
-
 import importlib
 import importlib.util
 import inspect
 from collections.abc import Callable, Mapping
 from functools import partial
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 
@@ -39,7 +37,7 @@ class OwnTheory(Theory):
             setattr(self, quantity, partial(self._called, quantity, function))
 
     @classmethod
-    def named(cls, text: str) -> OwnTheory | None:
+    def named(cls, text: str) -> Self | None:
         """Return the functions of ``module:function``, an area, or of ``module``; None without such a module.
 
         A UsageError for a module that cannot be imported or has no such function.
