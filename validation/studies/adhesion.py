@@ -93,28 +93,24 @@ class Case:
 
 def design(options: Options) -> dict[tuple[Case, int], Sticking]:
     """Return what is pressed by case and number of the surface."""
-    load = options.reduced_pressure
+    load, pressed = options.reduced_pressure, {}
     at = {"work_ratio": options.work, "reduced_pressure": load, "magnification": options.bandwidth}
-    turned = (options.works, options.reduced_pressures, options.magnifications, options.hardnesses)
-    dials = zip(_DIALS.items(), turned, strict=True)
-    cases = [Case(varied=dial, **{**at, name: v}) for (dial, name), values in dials for v in values]
-    surfaces = [options.self_affine(number=k, length=_LENGTH) for k in range(options.surfaces)]
-    wholes = [base_case(surface, reduced_pressure=load, solid=_SOLID) for surface in surfaces]
-    pressed = {}
-    for case, (k, whole) in itertools.product(cases, enumerate(wholes)):
+    for (dial, (name, values, _)), k in itertools.product(_DIALS.items(), range(options.surfaces)):
+        whole = base_case(options.self_affine(number=k, length=_LENGTH), reduced_pressure=load, solid=_SOLID)
         unit, modulus = whole.pressure_scale, whole.contact_modulus
-        work = case.work_ratio * full_contact_energy(whole.field, modulus=modulus)
-        # The shortest range whose process zone spans the cells that are needed, and a little more.
-        reach = math.sqrt(1.1 * CELLS_NEEDED * _LENGTH / options.grids[0] * work / modulus)
-        surface = options.self_affine(number=k, until=case.magnification, length=_LENGTH)
-        pressed[case, k] = Sticking(
-            problem=base_case(surface, pressure=case.reduced_pressure * unit, solid=_SOLID),
-            adhesion=Adhesion(work=work, reach=reach),
-            hardness=()
-            if math.isnan(case.hardness_ratio)
-            else (Hardness(hardness=case.hardness_ratio * unit),),
-            grids=options.grids,
-        )
+        for value in getattr(options, values):
+            case = Case(varied=dial, **{**at, name: value})
+            work = case.work_ratio * full_contact_energy(whole.field, modulus=modulus)
+            # The shortest range whose process zone spans the cells that are needed, and a little more.
+            reach = math.sqrt(1.1 * CELLS_NEEDED * _LENGTH / options.grids[0] * work / modulus)
+            surface = options.self_affine(number=k, until=case.magnification, length=_LENGTH)
+            limit = case.hardness_ratio * unit
+            pressed[case, k] = Sticking(
+                problem=base_case(surface, pressure=case.reduced_pressure * unit, solid=_SOLID),
+                adhesion=Adhesion(work=work, reach=reach),
+                hardness=() if math.isnan(limit) else (Hardness(hardness=limit),),
+                grids=options.grids,
+            )
     return pressed
 
 
@@ -145,18 +141,19 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     return data.assign_attrs(methods="theory bem", **options.model_dump(include={"work", "reduced_pressure"}))
 
 
-#: What is drawn along every dial, the coordinate, and how it is called.
+#: What is drawn along every dial.
 _AREAS = ("area", "area_plain", "area_improved", "area_old", "area_plain_persson")
 #: What the theory says, told the same gradient of every surface.
 _THEORY = (
     *("area_improved", "area_old", "area_plain_persson", "area_plastic_improved", "area_gain_improved"),
     *("area_gain_old", "interface_energy_improved", "interface_energy_old", "attraction_range"),
 )
+#: Coordinate, option and symbol of each dial.
 _DIALS = {
-    "work": "work_ratio",
-    "load": "reduced_pressure",
-    "waves": "magnification",
-    "hardness": "hardness_ratio",
+    "work": ("work_ratio", "works", "w/U_full"),
+    "load": ("reduced_pressure", "reduced_pressures", "p*"),
+    "waves": ("magnification", "magnifications", "zeta"),
+    "hardness": ("hardness_ratio", "hardnesses", "H/(E* h'_rms)"),
 }
 
 
@@ -166,10 +163,9 @@ def views(data: xr.Dataset) -> Views:
     energy = ("interface_energy", "interface_energy_improved", "interface_energy_old")
     gains = ("area_gain", "area_gain_improved", "area_gain_old", "area_gain_excess")
     yields = ("area_plastic", "area_plastic_improved")
+    columns = ("varied", *(name for name, *_ in _DIALS.values()), *_AREAS, *gains, *energy, *yields)
     return Views(
-        table=Table(
-            ("case",), ("varied", *_DIALS.values(), *_AREAS, *gains, *energy, *yields, "attraction_range")
-        ),
+        table=Table(("case",), (*columns, "attraction_range")),
         budget=("area", "area_gain"),
         figures=[
             Figure(
@@ -212,7 +208,7 @@ def _panel(dial: str, *names: str, bottom: float | None = None) -> Panel:
         Line(name, where={"varied": dial}, look=grey if name == "area_plain_persson" else {})
         for name in names
     ]
-    return against(_DIALS[dial], *marks, log="x", bottom=bottom)
+    return against(_DIALS[dial][0], *marks, log="x", bottom=bottom)
 
 
 def _ends(data: xr.Dataset, dial: str) -> xr.Dataset:
@@ -224,12 +220,12 @@ def _gain(data: xr.Dataset, dial: str) -> Finding:
     yields = (
         "; A_pl/A0 = {area_plastic}, {area_plastic_improved:~} in the theory" if dial == "hardness" else ""
     )
-    symbol = {"work": "w/U_full", "load": "p*", "waves": "zeta", "hardness": "H/(E* h'_rms)"}[dial]
+    name, _, symbol = _DIALS[dial]
     return finding(
         "comparison",
         "Adhesion multiplies the area by {each}.",
         _ends(data, dial),
-        item=f"{{area_gain}} at {symbol} = {{{_DIALS[dial]}}} (A/A0 = {{area}}), {{verdict}} the theory's "
+        item=f"{{area_gain}} at {symbol} = {{{name}}} (A/A0 = {{area}}), {{verdict}} the theory's "
         f"{{area_gain_improved:~}} ({{area_gain_old:~}} by Eq. 43){yields}",
         by="area_gain_excess",
         words={"?": "beside"},

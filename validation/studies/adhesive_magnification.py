@@ -70,34 +70,35 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     the theory; stress in the contact as shares over bins, surfaces pooled; P~ of the waves between magnifications
     (surface, shell) of the whole surface; what half the range changes.
     """
-    wholes = [_full_surface(options, k) for k in range(options.surfaces)]
+    zetas, surfaces = options.magnifications, range(options.surfaces)
+    wholes = [_full_surface(options, k) for k in surfaces]
     along = [readings(whole, Adhesion(work=work), area="projected") for whole, work in wholes]
     cuts: dict[tuple[str, int, float], Cut] = {}
-    for k, zeta in itertools.product(range(options.surfaces), options.magnifications):
-        for work, solutions in ((_FULL, None), (_EFFECTIVE, along[k])):
+    for k, zeta in itertools.product(surfaces, zetas):
+        for told, solutions in ((_FULL, None), (_EFFECTIVE, along[k])):
             if cut := _cut(options, k, zeta, along=solutions):
-                cuts[work, k, zeta] = cut
+                cuts[told, k, zeta] = cut
     q_long = 2 * np.pi * options.periods / _LENGTH
-    edges = q_long * np.array([1.0, *options.magnifications])
+    edges = q_long * np.array([1.0, *zetas])
     shells = tuple(edges[1:].tolist())
     points = [per_wave * options.periods for per_wave in options.points_per_wave]
     cases: dict[Any, Call] = {
         (at, g): cut.solve(n * at[2], shells=shells) for at, cut in cuts.items() for g, n in enumerate(points)
     }
     # Half the range takes four times the points: on the second magnification of the first surface.
-    second = options.magnifications[1]
-    cases["half"] = cuts[_FULL, 0, second].solve(points[0] * second, shells=shells, finer=4, reach=0.5)
+    cases["half"] = cuts[_FULL, 0, zetas[1]].solve(points[0] * zetas[1], shells=shells, finer=4, reach=0.5)
     measured = solved(bench, cases)
     half = measured.pop("half")
     data = gather(
         {at: cut.reduced([measured[at, g] for g in range(len(points))]) for at, cut in cuts.items()},
         told=(_FULL, _EFFECTIVE),
-        surface=range(options.surfaces),
-        magnification=options.magnifications,
+        surface=surfaces,
+        magnification=zetas,
     ).assign(area_half_range=half.area, force_inside_half_range=half.force)
-    last = [measured[(_FULL, k, options.magnifications[-1]), 1] for k in range(options.surfaces)]
-    parts = zip(last, along, wholes, strict=True)
-    shares = {k: shares_by_shell(d, a, problem=w, edges=edges) for k, (d, a, (w, _)) in enumerate(parts)}
+    shares = {
+        k: shares_by_shell(measured[(_FULL, k, zetas[-1]), 1], along[k], problem=wholes[k][0], edges=edges)
+        for k in surfaces
+    }
     data = data.merge(gather(shares, "surface").rename(solve="solve_whole"))
     data = data.assign_coords(points_per_wave=("grid", list(options.points_per_wave)))
     data = straight_limit(data, "area", "area_plain", "area_parted", x="points_per_wave")

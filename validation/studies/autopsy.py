@@ -6,7 +6,6 @@ is lost for good. Each of these is measured, and the budgets of area, load and m
 """
 
 import itertools
-from collections.abc import Sequence
 from typing import Annotated, Any, Self
 
 import numpy as np
@@ -20,17 +19,7 @@ from validation.measurements.edge import slopes_of
 from validation.measurements.measurement import even_points
 from validation.measurements.rings import RING, chain, probe, ring_ends
 from validation.report.estimates import claim, derive, gather, nearest
-from validation.report.views import (
-    Figure,
-    Findings,
-    Line,
-    Panel,
-    Table,
-    Views,
-    against,
-    finding,
-    panels_along,
-)
+from validation.report.views import Figure, Findings, Line, Table, Views, against, finding, panels_along
 from validation.scenes.problem import ContactProblem
 from validation.studies._options import Hurst, Seed, StudyOptions, Surfaces
 from validation.studies._study import ABSENT, Bench
@@ -164,47 +153,61 @@ def _probes(options: Options, bench: Bench, zeta: float) -> xr.Dataset:
 
 def views(data: xr.Dataset) -> Views:
     """Terms of the diffusion equation, flows, restarts and memory."""
-    at = {"hurst": -1, "load": nearest(data.reduced_pressure, 0.05)}
+    rough = {"hurst": -1}
+    at = {**rough, "load": nearest(data.reduced_pressure, 0.05)}
     step = nearest(data.relative_step, 0.01)
-    terms = [
-        Line(name, at={"hurst": -1}, label="sum" if name == SQUARE_TERMS[0] else None)
-        for name in SQUARE_TERMS
-    ]
+    terms = [Line(name, at=rough, label="sum" if name == SQUARE_TERMS[0] else None) for name in SQUARE_TERMS]
     plain = {"color": "black", "ls": "--", "lw": 0.8, "marker": ""}
-    ratios = [
-        Line("area_ratio", by="hurst"),
-        Line("area_ratio_diffused", by="octave", at={"hurst": -1}, label="", look=plain),
-    ]
+    diffused = Line("area_ratio_diffused", by="octave", at=rough, label="", look=plain)
     profiles = [
-        against("bin_mean_pressure", Line(y, by=by, at=where), bottom=bottom, top=top)
+        against("bin_mean_pressure", Line(y, by=by, at={**at, **where}), bottom=bottom, top=top)
         for y, by, where, bottom, top in (
-            ("diffusivity", "variance_step", {**at, "probe": -1}, 0.0, 4.0),
-            ("diffusivity", "probe", {**at, "variance_step": step}, 0.0, 4.0),
-            ("mean_drift", "probe", {**at, "variance_step": step}, -2.0, 3.0),
+            ("diffusivity", "variance_step", {"probe": -1}, 0.0, 4.0),
+            ("diffusivity", "probe", {"variance_step": step}, 0.0, 4.0),
+            ("mean_drift", "probe", {"variance_step": step}, -2.0, 3.0),
         )
     ]
+    single: dict[str, Any] = {"by": "load", "at": {**rough, "probe": -1}, "label": "p* = {reduced_pressure}"}
     flows = [
-        against(
-            "relative_step",
-            Line(y, by="load", at={"hurst": -1, "probe": -1}, label="p* = {reduced_pressure}"),
-            log=log,
-        )
+        against("relative_step", Line(y, **single), log=log)
         for y, log in (("share_lost", "xy"), ("entered_ratio", "x"), ("area_exponent_probe", "x"))
     ]
     chance = Line("return_chance", by="load", at={"age": list(range(1, data.sizes["age"]))})
-    panels: dict[str, Sequence[Panel]] = {
-        "budget": panels_along(data, "load", against("octave_start", *terms, log="x")),
-        "restarts": panels_along(data, "load", against("magnification", *ratios, log="x")),
-        "drift-and-diffusivity": profiles,
-        "fluxes": flows,
-        "memory": panels_along(data, "hurst", against("age", chance, log="y")),
-    }
     columns = ("hurst", "reduced_pressure", "octave", *SQUARE_TERMS, "square_told", "square_growth_path")
     areas = ("area_exponent", "area_exponent_pixel", "area_exponent_persson", "loss_ratio", "area_ratio_end")
     return Views(
         table=Table(("hurst", "load", "octave"), (*columns, *areas)),
         budget=("square_growth_late", "edge_loss", "pressure_slope"),
-        figures=[Figure(name, _CAPTIONS[name], some) for name, some in panels.items()],
+        figures=[
+            Figure(
+                "budget",
+                "Where d<p^2>/(A dV) comes from by octave, largest H: Persson's theory has diffusion alone, 1.",
+                panels_along(data, "load", against("octave_start", *terms, log="x")),
+            ),
+            Figure(
+                "restarts",
+                "Contact area over Persson's; dashed, where absorbing diffusion goes from the true P(p), largest H.",
+                panels_along(
+                    data, "load", against("magnification", Line("area_ratio", by="hurst"), diffused, log="x")
+                ),
+            ),
+            Figure(
+                "drift-and-diffusivity",
+                "Diffusivity and drift of points in contact by their pressure, largest H, p* near 0.05: the theory has 1 and 0.",
+                profiles,
+            ),
+            Figure(
+                "fluxes",
+                "Area that a ring takes out of contact, what it brings back over that, and the net, against its step, largest "
+                f"H and zeta, {_CUT}.",
+                flows,
+            ),
+            Figure(
+                "memory",
+                "Chance that a ring brings a point back into contact: without memory it would be one number.",
+                panels_along(data, "hurst", against("age", chance, log="y")),
+            ),
+        ],
         findings=[*_findings(data)],
     )
 
@@ -212,16 +215,6 @@ def views(data: xr.Dataset) -> Views:
 _WHERE = "at H = {hurst} and p* = {reduced_pressure}"
 #: What p* is of there: a surface that is cut is pressed by its own gradient.
 _CUT = "p* in the gradient of the waves up to there"
-
-_CAPTIONS = {
-    "budget": "Where d<p^2>/(A dV) comes from by octave, largest H: Persson's theory has diffusion alone, 1.",
-    "restarts": "Contact area over Persson's; dashed, where absorbing diffusion goes from the true P(p), largest H.",
-    "drift-and-diffusivity": "Diffusivity and drift of points in contact by their pressure, largest H, p* near 0.05: the theory "
-    "has 1 and 0.",
-    "fluxes": "Area that a ring takes out of contact, what it brings back over that, and the net, against its step, largest "
-    f"H and zeta, {_CUT}.",
-    "memory": "Chance that a ring brings a point back into contact: without memory it would be one number.",
-}
 
 
 def _findings(data: xr.Dataset) -> Findings:

@@ -5,6 +5,7 @@ and against magnification as the same surfaces gain wave after wave, beside the 
 gradient of the same surfaces; and the spectrum of the smoothed surface left behind, beside Persson's.
 """
 
+import itertools
 from dataclasses import dataclass
 from typing import Annotated, Any, Self
 
@@ -141,26 +142,25 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
                 Press(method="bem", grid=(n, n), problem=problem, **how)
                 for n in (options.ladder if case.varied else [max(options.ladder)])
             )
-    solved = bench.solve([solve for several in solves.values() for solve in several])
-    areas = {(c, k): _areas(several, solved) for (c, k), several in solves.items() if c.varied}
-    smoothed = {
-        k: _smoothed(several[0], options, solved) for (c, k), several in solves.items() if not c.varied
-    }
-    data = gather(areas, "case", "surface")
+    solved = bench.solve(itertools.chain(*solves.values()))
+    smoothed = {k: _smoothed(*solves.pop((cases[-1], k)), options, solved) for k in surfaces}
+    data = gather({at: _areas(several, solved) for at, several in solves.items()}, "case", "surface")
     data = data.merge(gather(smoothed, "surface").rename(solve="solve_smoothed"))
     data = derive(
-        straight_limit(data, "area_plastic", "area_elastic"),
+        straight_limit(data, *_AREAS),
         area_plastic_excess_each="area_plastic_each / area_plastic_persson_each - 1",
         area_elastic_excess_each="area_elastic_each / area_elastic_persson_each - 1",
         spectrum_kept_excess_each="spectrum_kept_each - spectrum_kept_persson_each",
     )
-    areas_of = [f"area_{part}" for part in ("plastic", "elastic")]
-    data = mean(data, *(f"{name}{of}" for name in areas_of for of in ("", "_pixel", "_persson", "_excess")))
-    names = ("spectrum_kept", "spectrum_kept_persson", "spectrum_kept_excess", "gradient_kept")
+    names = [f"{area}{of}" for area in _AREAS for of in ("", "_pixel", "_persson", "_excess")]
+    names += ["spectrum_kept", "spectrum_kept_persson", "spectrum_kept_excess", "gradient_kept"]
     data = derive(mean(data, *names), spectrum_kept_excess_largest="abs(spectrum_kept_excess).max('wave')")
-    data = claim(data, *areas_of, "spectrum_kept", "gradient_kept", **ABSENT)
+    data = claim(data, *_AREAS, "spectrum_kept", "gradient_kept", **ABSENT)
     asked = options.model_dump(include={"hardness", "smoothing_reduced_pressure"})
     return data.assign_attrs(methods="theory bem", **asked)
+
+
+_AREAS = ("area_plastic", "area_elastic")
 
 
 def _areas(solves: tuple[Press, ...], solved: Solves) -> xr.Dataset:
@@ -195,18 +195,17 @@ def _smoothed(solve: Press, options: Options, solved: Solves) -> xr.Dataset:
 
 def views(data: xr.Dataset) -> Views:
     """Plastic and elastic area against load and magnification, and the spectrum that is left."""
-    parts = ("plastic", "elastic")
     finest = {"grid": data.sizes["grid"] - 1}
     shown = [
         column
-        for name in ("area_plastic", "area_elastic")
+        for name in _AREAS
         for column in (name, Column(f"{name}_pixel", finest), f"{name}_persson", f"{name}_excess")
     ]
     return Views(
         table=Table(("case",), ("varied", "reduced_pressure", "magnification", *shown)),
-        budget=("area_plastic", "area_elastic"),
+        budget=_AREAS,
         figures=[
-            *(_figure(part, finest) for part in parts),
+            *(_figure(name, finest) for name in _AREAS),
             Figure(
                 "smoothed-spectrum",
                 "Spectrum of the surface left after yielding and unloading, over that before, and Persson's formula, "
@@ -215,7 +214,7 @@ def views(data: xr.Dataset) -> Views:
             ),
         ],
         findings=[
-            *(_finding(data, part, varied) for varied in ("load", "waves") for part in parts),
+            *(_finding(data, name, varied) for varied in ("load", "waves") for name in _AREAS),
             finding(
                 "comparison",
                 "Smoothed at p* = {smoothing_reduced_pressure}, the surface keeps {spectrum_kept} of C(q) at q = {wave} q_long, {verdict} the "
@@ -230,8 +229,7 @@ def views(data: xr.Dataset) -> Views:
     )
 
 
-def _figure(part: str, finest: dict[str, int]) -> Figure:
-    name = f"area_{part}"
+def _figure(name: str, finest: dict[str, int]) -> Figure:
     panels = [
         against(
             x,
@@ -243,18 +241,18 @@ def _figure(part: str, finest: dict[str, int]) -> Figure:
         )
         for varied, x in (("load", "reduced_pressure"), ("waves", "magnification"))
     ]
+    part = name.removeprefix("area_")
     state = "yielded" if part == "plastic" else "elastic contact"
     caption = f"Share of the nominal area that is {state} against load (left) and as waves are added (right)."
     return Figure(f"{part}-area", caption, panels)
 
 
-def _finding(data: xr.Dataset, part: str, varied: str) -> Finding:
+def _finding(data: xr.Dataset, name: str, varied: str) -> Finding:
     here = data.isel(case=(data.varied == varied).values)
     at = "p* = {reduced_pressure}" + ("" if varied == "load" else ", zeta = {magnification}")
-    name = f"area_{part}"
     return finding(
         "comparison",
-        f"H = {{hardness}} E* h'_rms: A_{part[:2]}/A0 is {{each}}.",
+        f"H = {{hardness}} E* h'_rms: A_{name[5:7]}/A0 is {{each}}.",
         here.isel(case=spread(here, "case", 2)),
         item=f"{{{name}}} at {at}, {{verdict}} Persson's {{{name}_persson}}, {{{name}_excess:+%}} away",
         by=f"{name}_excess",

@@ -17,7 +17,7 @@ from validation.measurements.common import Rising, RisingOrNone, RisingSeveral, 
 from validation.measurements.magnified import magnified
 from validation.measurements.measurement import grid_for
 from validation.report.estimates import claim, derive, gather, mean, nearest, ratio_of_means
-from validation.report.views import Figure, Finding, Findings, Level, Line, Table, Views, against, finding
+from validation.report.views import Figure, Findings, Level, Line, Table, Views, against, finding
 from validation.scenes.problem import ContactProblem
 from validation.studies._options import Bandwidth, Periods, SurfaceOptions, Surfaces
 from validation.studies._study import ABSENT, Bench, Call, solved, stored_variables
@@ -83,14 +83,10 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
         change = fine[f"{name}_each"] - coarse[f"{name}_each"]
         data = claim(data, name, grid=2 * abs(change.isel(surface=0, drop=True)))
     data = claim(data, "area", "load_inside", **ABSENT)
-    for which in ("", "_persson"):
-        data = derive(
-            data,
-            **{f"macro_pressure{which}": f"reduced_pressure / macro_area{which}"},
-            **{f"macro_pressure_shift{which}": f"(macro_pressure_ratio{which} - 1) / {_SAME}"},
-        )
     data = derive(
         data,
+        **{f"macro_pressure{which}": f"reduced_pressure / macro_area{which}" for which in _BOTH},
+        **{f"macro_pressure_shift{w}": f"(macro_pressure_ratio{w} - 1) / {_SAME}" for w in _BOTH},
         contact_pressure="reduced_pressure / area",
         contact_pressure_shift=f"(contact_pressure_ratio - 1) / {_SAME}",
         load_inside_excess=f"load_inside - {_DOMINANT}",
@@ -101,6 +97,8 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     return data.assign_attrs(methods="theory bem", **spectrum)
 
 
+#: Endings of what the simulation gives, and the theory.
+_BOTH = ("", "_persson")
 #: What is read off a contact.
 _COUNTED = ("area", "patch_density", "relative_patch_size", "largest_patch", "area_inside", "load_inside")
 
@@ -115,7 +113,7 @@ def _of_surfaces(data: xr.Dataset) -> xr.Dataset:
         contact_pressure_ratio_each="contact_pressure_each / contact_pressure_each.isel(load=0)",
     )
     lightest = int(np.argmax(np.isfinite(data.macro_magnification.values)))
-    for which in ("", "_persson"):
+    for which in _BOTH:
         area = f"macro_area{which}_each"
         areas = ratio_of_means(f"{area}.isel(load={lightest})", area, "surface")
         ratio = f"({areas}) * reduced_pressure / reduced_pressure.isel(load={lightest})"
@@ -175,9 +173,8 @@ def views(data: xr.Dataset) -> Views:
     ]
     percolates = "percolation_area" in data
     columns = ("reduced_pressure", "magnification", "area", "area_persson", "contact_pressure")
-    patch_columns = ("patch_density", "relative_patch_size", "largest_patch", "area_inside", "load_inside")
     return Views(
-        table=Table(("load", "magnification"), (*columns, *patch_columns)),
+        table=Table(("load", "magnification"), (*columns, *_COUNTED[1:])),
         budget=("percolation_area_pooled" if percolates else "load_inside",),
         figures=[
             Figure(
@@ -228,19 +225,6 @@ _STAYS = {
 }
 
 
-def _macroasperities(data: xr.Dataset, which: str, of: str) -> Finding:
-    return finding(
-        "equivalence",
-        "Pressure in the macroasperities of {of} over E* h'_rms, and whether it is that at the lightest load: {each}.",
-        data.isel(load=np.flatnonzero(data[f"macro_pressure{which}"].notnull().values)),
-        item=f"{{macro_pressure{which}}} at p* = {{reduced_pressure}} ({{verdict}}; "
-        f"zeta_m = {{macro_magnification:~}}, A/A0 = {{macro_area{which}:~}})",
-        by=f"macro_pressure_shift{which}",
-        words=_STAYS,
-        of=of,
-    )
-
-
 def _findings(data: xr.Dataset) -> Findings:
     roll_off = data.isel(magnification=nearest(data.magnification, 1.0))
     if "percolation_area" in data:
@@ -248,8 +232,17 @@ def _findings(data: xr.Dataset) -> Findings:
         form += "single cells) at these areas A/A0: {each}."
         item = "{phase} {percolation_area_pooled} ({verdict} the {percolation_area_paper} of the paper)"
         yield finding("comparison", form, data, item=item, by="percolation_area_excess")
-    yield _macroasperities(data, "", "the simulation")
-    yield _macroasperities(data, "_persson", "the theory")
+    for which, of in zip(_BOTH, ("the simulation", "the theory"), strict=True):
+        yield finding(
+            "equivalence",
+            "Pressure in the macroasperities of {of} over E* h'_rms, and whether it is that at the lightest load: {each}.",
+            data.isel(load=np.flatnonzero(data[f"macro_pressure{which}"].notnull().values)),
+            item=f"{{macro_pressure{which}}} at p* = {{reduced_pressure}} ({{verdict}}; "
+            f"zeta_m = {{macro_magnification:~}}, A/A0 = {{macro_area{which}:~}})",
+            by=f"macro_pressure_shift{which}",
+            words=_STAYS,
+            of=of,
+        )
     yield finding(
         "equivalence",
         "In the contact seen at zeta = {magnification} the mean pressure, over that at the lightest load, is {each}.",

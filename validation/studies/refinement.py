@@ -3,7 +3,6 @@
 import itertools
 import math
 from dataclasses import replace
-from functools import partial
 from typing import Annotated, Any, Self
 
 import numpy as np
@@ -115,34 +114,42 @@ class Options(PressedOptions):
 def design(options: Options) -> dict[_Case, Call]:
     """Return the solves: grids, blocks, roughness to the grid scale, other methods, one with a smaller residual, ladders."""
     pressed, grids = options.pressed, options.grids_for(options.points_per_wave)
-    usual = press_on_grids(
-        problem=pressed[0],
-        grids=grids,
-        shifts=options.shifts,
-        effects=options.effects,
-        tolerance=options.tolerance(TOLERANCE),
-        keep=("distributions",),
-    )
-    few = max(2, sum(n <= _SOLVER_POINTS for n in options.points_per_wave))
-    cases: dict[_Case, Call] = {("grids", k): usual.but(problem=problem) for k, problem in enumerate(pressed)}
+    cases: dict[_Case, Call] = {}
+    for k, problem in enumerate(pressed):
+        cases["grids", k] = press_on_grids(
+            problem=problem,
+            grids=grids,
+            shifts=options.shifts,
+            effects=options.effects,
+            tolerance=options.tolerance(TOLERANCE),
+            keep=("distributions",),
+        )
+        for points in options.grid_scale_grids:
+            cases["protocol", k, points] = grid_roughness(problem=problem, grid=(points, points))
     # What the stopping of a solver does shows on coarse grids, too.
+    few, usual = max(2, sum(n <= _SOLVER_POINTS for n in options.points_per_wave)), cases["grids", 0]
     cases["strict",] = usual.but(grids=grids[:few], tolerance=usual["tolerance"] / 100)
-    for (k, problem), points in itertools.product(enumerate(pressed), options.grid_scale_grids):
-        cases["protocol", k, points] = grid_roughness(problem=problem, grid=(points, points))
+
     for hurst, k in itertools.product(options.protocol_hursts, range(options.surfaces)):
         surface = options.first.surface.model_copy(update={"hurst": hurst})
         problem = replace(options.first, surface=surface).further(k)
-        points, wide = options.protocol_points, down_to_grid(problem, options.protocol_points)
+        points = options.protocol_points
         for method in PROTOCOL_METHODS:
             rough = grid_roughness(problem=problem, grid=(points, points), method=method)
             cases["scale", method, hurst, k] = rough
+        wide = down_to_grid(problem, points)
         fine = grids_for(wide, _CONVERGED)
         cases["converged", hurst, k] = press_on_grids(problem=wide, grids=fine, shifts=options.shifts)
     for solver, (k, problem) in itertools.product(options.beside, enumerate(pressed)):
-        layer = True if solver.name in options.blocks else None
-        ask = partial(beside_bem, problem=problem, effects=options.effects, layer=layer)
         for g, grid in enumerate(solver.grids):
-            cases["other", solver.name, k, g] = ask(grid=grid, method=solver.method, settings=solver.settings)
+            cases["other", solver.name, k, g] = beside_bem(
+                problem=problem,
+                grid=grid,
+                method=solver.method,
+                settings=solver.settings,
+                effects=options.effects,
+                layer=True if solver.name in options.blocks else None,
+            )
     for element in options.blocks:
         block = cases["other", element, 0, 0]
         cases["strict", element] = block.but(settings=(*block["settings"], ("tolerance", _STRICT)))
@@ -181,12 +188,10 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     if options.blocks:
         strict = {str(element): measured["strict", element] for element in options.blocks}
         data = with_block_errors(data, part("other"), strict, options.beside[0].grids)
-    used = [
-        *(solver.method for solver in options.beside),
-        *(PROTOCOL_METHODS * bool(options.protocol_hursts)),
-    ]
-    kinds = (effect.kind for effect in options.effects)
-    methods = " ".join(dict.fromkeys(["theory", "bem", *used, *kinds, papers_of("kappa")]))
+    used = ["theory", "bem", *(solver.method for solver in options.beside)]
+    used += PROTOCOL_METHODS * bool(options.protocol_hursts)
+    used += [*(effect.kind for effect in options.effects), papers_of("kappa")]
+    methods = " ".join(dict.fromkeys(used))
     return data.assign_attrs(shifts=options.shifts, methods=methods, **options.spectrum_words)
 
 

@@ -51,23 +51,19 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     """
     tables = [reference.table(), reference.wide()] if options.table is None else [read_numbers(options.table)]
     data = joined([table[["area", "area_error", "area_persson"]] for table in tables])
-    data = data.sel(amplitudes="exact", drop=True).sel(
-        {dim: tables[-1][dim] for dim in ("hurst", "reduced_pressure")}
-    )
-    data = derive(data, area_excess="area / area_persson - 1")
+    asked = {dim: tables[-1][dim] for dim in ("hurst", "reduced_pressure")} | {"amplitudes": "exact"}
+    data = derive(data.sel(asked, drop=True), area_excess="area / area_persson - 1")
     narrow = data.bandwidth.values <= options.fitted_to
     if narrow.sum() < _LEAST or narrow.all():
         raise UsageError(
             f"fitted_to = {options.fitted_to:g}: leaves {narrow.sum()} of {narrow.size} bandwidths, "
             f"needs {_LEAST} to fit to and others to judge by"
         )
-    alpha = xr.DataArray(
-        [[nayak(hurst=h, bandwidth=b) for b in data.bandwidth.values] for h in data.hurst.values],
-        dims=("hurst", "bandwidth"),
-    )
+    alpha = [[nayak(hurst=h, bandwidth=b) for b in data.bandwidth.values] for h in data.hurst.values]
+    data["nayak_by_spectrum"] = ("hurst", "bandwidth"), alpha
     halves = total_error(data, "area_excess", sources=_INDEPENDENT)
     assert halves is not None  # a table has it
-    far = np.geomspace(alpha.max(), 1e12, 400)
+    far = np.geomspace(np.max(alpha), 1e12, 400)
 
     def fitted(law: str, *points_of_cell: Array) -> tuple[Array | float, ...]:
         points = np.array(points_of_cell)
@@ -76,16 +72,16 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
             return (*np.full((2, narrow.size), np.nan), *[np.nan] * 4)
         seen = fit(law, *points[:, narrow & there], at=np.append(points[0], np.inf))
         whole = fit(law, *points[:, there], at=np.append(far, np.inf))
-        end = whole.values[-1]
+        end, below = whole.values[-1], far[whole.values[:-1] < _CLOSE]
         end_half = np.hypot(whole.halves[-1], end - seen.values[-1])
-        misfit, below = whole.chi_square / whole.freedom, far[whole.values[:-1] < _CLOSE]
+        misfit = whole.chi_square / whole.freedom
         return seen.values[:-1], seen.halves[:-1], misfit, min(below, default=np.nan), end, end_half
 
     along, laws = ["bandwidth"], xr.DataArray([*LAWS], dims="law", coords={"law": [*LAWS]})
-    blind, blind_halves, misfit, close, ends, end_halves = xr.apply_ufunc(
+    data["area_excess_law"], blind_halves, data["law_misfit"], data["nayak_close"], *limit = xr.apply_ufunc(
         fitted,
         laws,
-        alpha,
+        data.nayak_by_spectrum,
         data.area_excess,
         halves,
         input_core_dims=[[], along, along, along],
@@ -93,14 +89,7 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
         vectorize=True,
         keep_attrs=False,
     )
-    ends, end_halves = (values.sel(law="saturation", drop=True) for values in (ends, end_halves))
-    data = data.assign(
-        nayak_by_spectrum=alpha,
-        area_excess_law=blind,
-        law_misfit=misfit,
-        nayak_close=close,
-        area_excess_limit=ends,
-    )
+    data["area_excess_limit"], end_halves = (end.sel(law="saturation", drop=True) for end in limit)
     # The size of the sample moves all bandwidths alike, and so the limit.
     size = data.area_excess_error.sel(source="size", drop=True).max("bandwidth").fillna(0.0)
     errors = {"area_excess_law": blind_halves, "area_excess_limit": (end_halves**2 + size**2) ** 0.5}
