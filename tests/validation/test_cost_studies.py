@@ -163,7 +163,7 @@ def test_the_memory_of_a_peer_is_that_of_all_its_tries(monkeypatch):
 def test_solvers_that_are_asked_for_get_the_tolerance_of_the_study_and_their_own_settings():
     named = [f"{external_codes.__name__}:{name}" for name in ("known_peers", "installed_peers")]
     options = accuracy_cost.Options(methods=("bem", *named))
-    solvers = [solver for part, solver in accuracy_cost._solvers(options) if part == "others"]
+    solvers = dict.fromkeys(case[2] for case in accuracy_cost._singles(options) if case[0] == "others")
     told = [{n: v for n, v in solver.settings if n != "code"} for solver in solvers]
     assert told == [{"tolerance": accuracy_cost._TOLERANCE, "solver": name} for name in named]
 

@@ -1,11 +1,16 @@
 """Options of studies on a viscoelastic solid, a standard solid or a Prony series, and of the surfaces on it."""
 
-from typing import Self
+from collections.abc import Callable
+from typing import Any, Self
 
 from pydantic import Field, model_validator
 
 from fem_contact.viscoelastic import PronySolid
+from validation.measurements.common import RisingSeveral, base_case
+from validation.measurements.measurement import grids_for
+from validation.scenes.tables import SelfAffineSurface, SolidSpec
 from validation.studies._options import Bandwidth, Periods, SurfaceOptions, Surfaces
+from validation.studies._study import Call
 from validation.units import Duration, Positive, Pressure, wrong
 
 
@@ -31,6 +36,8 @@ class RubberOptions(SurfaceOptions):
     periods: Periods = 2.0
     bandwidth: Bandwidth = 8.0
     surfaces: Surfaces = 6
+    points_per_wave: RisingSeveral = (4.0, 8.0)
+    """grids, as lambda_short/dx; the finest gives the value"""
 
     @model_validator(mode="after")
     def _one_solid(self) -> Self:
@@ -40,6 +47,21 @@ class RubberOptions(SurfaceOptions):
         if len(self.moduli) != len(self.times):
             raise wrong(f"moduli, times: {len(self.moduli)} and {len(self.times)} values: must be as many")
         return self
+
+    def cases(
+        self,
+        measure: Callable[..., Call],
+        surface: SelfAffineSurface,
+        *,
+        rubber: Any,
+        relaxed: float,
+        **how: Any,
+    ) -> dict[int, Call]:
+        """Return a measurement of each surface on the solid, on grids as they are asked for."""
+        solid = SolidSpec(young=relaxed, poisson=rubber.poisson)
+        base = base_case(surface, reduced_pressure=self.reduced_pressure, solid=solid)
+        how |= {"rubber": rubber, "grids": grids_for(base, self.points_per_wave)}
+        return {k: measure(problem=base.further(k), **how) for k in range(self.surfaces)}
 
     def prony(self) -> PronySolid:
         """Return the solid."""

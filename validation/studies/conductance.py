@@ -16,6 +16,7 @@ from validation.report.views import Figure, Findings, Level, Table, Views, again
 from validation.studies._options import Bandwidth, Shifts, SurfaceOptions, Surfaces
 from validation.studies._study import ABSENT, Bench, Call, gathered
 
+_THEORY = [f"stiffness_{variant}" for variant in WITH_ENERGY]
 #: Light load, as p*: there the stiffness should go with the load.
 _LIGHT = 0.05
 
@@ -73,7 +74,7 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
         **{f"stiffness_ratio_{v}_each": f"stiffness_{v}_each / stiffness_each" for v in WITH_ENERGY},
         **{f"stiffness_excess_{v}_each": f"stiffness_each / stiffness_{v}_each - 1" for v in WITH_ENERGY},
     )
-    data = same_of_all(data, *(f"stiffness_{variant}" for variant in WITH_ENERGY))
+    data = same_of_all(data, *_THEORY)
     theory = [f"stiffness_{of}_{variant}" for of in ("ratio", "excess") for variant in WITH_ENERGY]
     data = mean(data, "stiffness", "gap", "area_perimeter", "stiffness_exponent", *theory)
     data = mean(data, "stiffness_exponent_light").assign(stiffness_exponent_proportional=1.0)
@@ -84,11 +85,10 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
 
 def views(data: xr.Dataset) -> Views:
     """Stiffness over the load for every size, beside the theory, and its power of the load."""
-    theory = [f"stiffness_{variant}" for variant in WITH_ENERGY]
     proportional = Level("stiffness_exponent_proportional", look={"color": "black", "lw": 0.8, "ls": "-"})
     power, last = ("stiffness_exponent", proportional), {"periods": data.sizes["periods"] - 1}
     ratios = [f"stiffness_ratio_{variant}" for variant in WITH_ENERGY]
-    columns = ("periods", "reduced_pressure", "area_perimeter", "gap", "stiffness", *theory, *ratios)
+    columns = ("periods", "reduced_pressure", "area_perimeter", "gap", "stiffness", *_THEORY, *ratios)
     return Views(
         table=Table(("periods", "load"), columns),
         budget=("stiffness",),
@@ -100,7 +100,7 @@ def views(data: xr.Dataset) -> Views:
                 "stiffness goes with the load. Few long waves make a light contact softer than many.",
                 [
                     against("reduced_pressure", "stiffness", by="periods", log="xy"),
-                    against("reduced_pressure", "stiffness", *theory, log="xy", at=last),
+                    against("reduced_pressure", "stiffness", *_THEORY, log="xy", at=last),
                     against("reduced_pressure_between", *power, by="periods", log="x"),
                 ],
             )

@@ -16,13 +16,12 @@ from fem_contact.solid import Solid
 from fem_contact.viscoelastic import PronySolid
 from persson import elastic
 from validation.arrays import Array, Grid
-from validation.measurements.common import RisingSeveral, base_case, in_rising_order
-from validation.measurements.measurement import grids_for, press_elastic
+from validation.measurements.common import in_rising_order
+from validation.measurements.measurement import press_elastic
 from validation.measurements.theory import RANKED, VARIANTS, variant_areas
 from validation.report.estimates import derive, error_of, mean, same_of_all, spread
 from validation.report.views import Figure, Findings, Table, Views, against, finding
 from validation.scenes.problem import ContactProblem
-from validation.scenes.tables import SolidSpec
 from validation.studies._rubber import RubberOptions
 from validation.studies._study import ABSENT, Bench, Call, gathered, measurement
 from validation.units import Duration
@@ -116,8 +115,6 @@ class Options(RubberOptions):
     """share of the load that is left when the last of these times is over"""
     steps: int = Field(default=8, ge=1)
     """steps of the solver from one time to the next"""
-    points_per_wave: RisingSeveral = (4.0, 8.0)
-    """grids, as lambda_short/dx; the finest gives the value"""
 
 
 def run(options: Options, *, bench: Bench) -> xr.Dataset:
@@ -125,20 +122,13 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
 
     Over (phase, instant): A/A0, that of the elastic contact with E = 1/J(t) under the same load, and the theory's.
     """
-    rubber = options.prony()
-    solid = SolidSpec(young=rubber.relaxed, poisson=rubber.poisson)
-    base = base_case(options.self_affine(), reduced_pressure=options.reduced_pressure, solid=solid)
-    grids = grids_for(base, options.points_per_wave)
+    rubber, durations = options.prony(), np.array(options.durations)
     history = options.model_dump(include={"durations", "load_left", "steps"})
-    cases = {
-        k: creeps(problem=base.further(k), rubber=rubber, grids=grids, **history)
-        for k in range(options.surfaces)
-    }
-    data = gathered(bench, cases, crept_of, "surface").assign_coords(
-        phase=list(PHASES), duration=("instant", np.array(options.durations))
-    )
-    moduli = moduli_of(rubber, np.array(options.durations)) / rubber.relaxed
-    data["creep_modulus"] = (("phase", "instant"), moduli)
+    surface = options.self_affine()
+    cases = options.cases(creeps, surface, rubber=rubber, relaxed=rubber.relaxed, **history)
+    data = gathered(bench, cases, crept_of, "surface")
+    data = data.assign_coords(phase=list(PHASES), duration=("instant", durations))
+    data["creep_modulus"] = ("phase", "instant"), moduli_of(rubber, durations) / rubber.relaxed
     data = derive(
         data,
         area_memory_each="area_each / area_crept_each - 1",
@@ -153,10 +143,9 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
 def views(data: xr.Dataset) -> Views:
     """Area over the time in both phases, beside elastic contacts and the theory, and what is remembered."""
     areas = ("area", "area_crept", *(f"area_{name}" for name in VARIANTS))
+    columns = ("phase", "duration", "creep_modulus", *areas, "area_memory", "area_excess")
     return Views(
-        table=Table(
-            ("phase", "instant"), ("phase", "duration", "creep_modulus", *areas, "area_memory", "area_excess")
-        ),
+        table=Table(("phase", "instant"), columns),
         budget=("area",),
         figures=[
             Figure(

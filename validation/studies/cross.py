@@ -10,7 +10,7 @@ from pydantic import Field, model_validator
 from validation.measurements.by_solver import beside_bem
 from validation.measurements.common import Rising, RisingOrNone
 from validation.report.estimates import derive, each, mean, power_law, reduce
-from validation.report.views import Figure, Table, Views, against, finding
+from validation.report.views import Figure, Table, Views, against, finding, note
 from validation.scenes.problem import ContactProblem
 from validation.scenes.scene import Scene
 from validation.studies._options import Bandwidth, Element, Methods, Periods, ReducedPressure
@@ -54,10 +54,10 @@ class Options(PressedOptions):
 
 
 def _legs(options: Options) -> Iterator[SolverRequest]:
-    blocks: list[tuple[str, Element, tuple[float, ...]]] = [("full", "Hex1", options.full_points_per_wave)]
-    blocks += [("reduced", element, options.reduced_points_per_wave) for element in options.elements]
-    for method, element, per_wave in blocks if "fem" in options.methods else ():
-        yield options.block(element, per_wave, method=method, name=f"{method} {element}")
+    if "fem" in options.methods:
+        yield options.block("Hex1", options.full_points_per_wave, method="full", name="full Hex1")
+        for element in options.elements:
+            yield options.block(element, options.reduced_points_per_wave, name=f"reduced {element}")
     yield from options.others(options.method_points_per_wave)
 
 
@@ -74,10 +74,9 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
         for grid in leg.grids
         for k, problem in enumerate(options.pressed)
     }
-    data = gathered(bench, cases, lambda d, _: read_off(d, **_READ), "leg", "points_per_wave", "surface")
-    data = data.sortby("points_per_wave")
-    data = reduce(reduce(data, "max", "residual"), "mean", "seconds", "seconds_bem")
-    data, along = mean(data, *_COMPARED), ("points_per_wave", "surface")
+    along = ("points_per_wave", "surface")
+    data = gathered(bench, cases, lambda d, _: read_off(d, **_READ), "leg", *along).sortby("points_per_wave")
+    data = mean(reduce(reduce(data, "max", "residual"), "mean", "seconds", "seconds_bem"), *_COMPARED)
     data = power_law(data, "exponent", of="pressure_difference_each", x="points_per_wave", along=along)
     data = derive(data, order="-exponent", area_difference_size="abs(area_difference)")
     solver = [other.method for other in options.others((), without=("bem",))]
@@ -133,13 +132,11 @@ def views(data: xr.Dataset) -> Views:
             )
         )
     elif any(str(leg).startswith("full") for leg in data.leg.values):
-        legs.append(
-            finding(
-                "note",
-                "The full system shares no contact algorithm with the boundary elements: where its difference falls "
-                "with the grid, that verifies both. The reduced one shares it and verifies the discretisation.",
-            )
+        shared = "The full system shares no contact algorithm with the boundary elements: where its difference falls "
+        shared += (
+            "with the grid, that verifies both. The reduced one shares it and verifies the discretisation."
         )
+        legs.append(note(shared))
     panels = [
         against("points_per_wave", name, by="leg", log="xy")
         for name in ("pressure_difference", "area_difference_size")

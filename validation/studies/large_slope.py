@@ -67,9 +67,9 @@ def steepened(
             steps.extend(map(_read_off, steeper))  # what came before an error counts
         except NotConverged as error:
             ended = str(error)
-    left = [dict.fromkeys(_NAMES, np.nan)] * (len(slopes) - len(steps))
+    steps += [dict.fromkeys(_NAMES, np.nan)] * (len(slopes) - len(steps))
     return xr.Dataset(
-        {name: ("slope", [step[name] for step in (*steps, *left)]) for name in _NAMES}
+        {name: ("slope", [step[name] for step in steps]) for name in _NAMES}
         | {
             "linear_area": float(np.mean(linear.in_contact)),
             "linear_square_pressure": float(np.mean(linear.pressure**2)) / linear.mean_pressure**2,
@@ -87,23 +87,20 @@ def _read_off(block: FiniteStrain) -> dict[str, float]:
     return {name: square if name == "square_pressure" else getattr(block, name) for name in _NAMES}
 
 
-#: Changes against the linear block, and what of a measurement they are of.
+#: Changes against the linear block, and the ratios of a measurement whose distances from 1 they are.
 CHANGES = {
-    "area_finite": "area",
-    "area_finite_true": "true_area",
-    "area_finite_material": "material_area",
-    "square_finite": "square_pressure",
+    "area_finite": "area / linear_area",
+    "area_finite_true": "true_area / linear_area",
+    "area_finite_material": "material_area / linear_area",
+    "square_finite": "square_pressure / linear_square_pressure",
 }
 
 
 def changes_of(measured: xr.Dataset) -> xr.Dataset:
     """Reduce one path of slopes to changes against the linear block, on its grid."""
-    linear = {
-        of: "linear_square_pressure" if of == "square_pressure" else "linear_area" for of in CHANGES.values()
-    }
     data = read_off(
         measured.drop_vars("slope"),
-        **{f"{name}_grid_each": f"{of} / {linear[of]} - 1" for name, of in CHANGES.items()},
+        **{f"{name}_grid_each": f"{ratio} - 1" for name, ratio in CHANGES.items()},
         **{f"{name}_each": name for name in ("residual", "sideways", "linear_area")},
     )
     return data.assign(path_ended_each=float(bool(measured.attrs["ended"])))
@@ -195,8 +192,7 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
                 depth=1 / options.periods,
             )
     data = gathered(bench, cases, lambda d, _: changes_of(d), "nu", "load", "surface", "grid")
-    data = data.drop_vars(["nu", "load", "grid"])
-    data = data.assign_coords(
+    data = data.drop_vars(["nu", "load", "grid"]).assign_coords(
         poisson=("nu", list(options.poissons)),
         reduced_pressure=("load", list(options.reduced_pressures)),
         points_per_wave=("grid", list(options.points_per_wave)),
@@ -226,22 +222,18 @@ def views(data: xr.Dataset) -> Views:
                 "large-slope",
                 "What finite strain changes of contact area and mean square pressure at one reduced load, over the "
                 "slope of the surface. Straight lines through 0 are effects of first order.",
-                [
-                    against("rms_gradient", name, by=("nu", "load"))
-                    for name in ("area_finite", "square_finite")
-                ],
+                [against("rms_gradient", name, by=("nu", "load")) for name in _DRAWN],
             )
         ],
         findings=[
-            _leaves(data, "area_finite", "contact area projected on the plane"),
-            _leaves(data, "square_finite", "mean square pressure"),
-            _rate(data, "area_finite", "contact area"),
-            _rate(data, "square_finite", "mean square pressure"),
+            *(_leaves(data, name, quantity) for name, quantity in _DRAWN.items()),
+            *(_rate(data, name, quantity.partition(" projected")[0]) for name, quantity in _DRAWN.items()),
             *([ended] if float(data.paths_ended) else []),
         ],
     )
 
 
+_DRAWN = {"area_finite": "contact area projected on the plane", "square_finite": "mean square pressure"}
 _WHERE = "nu = {poisson}, p* = {reduced_pressure}"
 
 

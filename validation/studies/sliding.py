@@ -22,14 +22,12 @@ from persson.sliding import friction_of_waves
 from validation.arrays import Grid
 from validation.errors import UsageError
 from validation.files import read_whole
-from validation.measurements.common import RisingSeveral, base_case, in_rising_order
-from validation.measurements.measurement import grids_for
+from validation.measurements.common import RisingSeveral, in_rising_order
 from validation.measurements.theory import RANKED, VARIANTS, variant_areas, wave_powers
 from validation.report.estimates import claim, derive, mean, same_of_all, spread
 from validation.report.values import Value
 from validation.report.views import Figure, Finding, Findings, Table, Views, against, finding
 from validation.scenes.problem import ContactProblem
-from validation.scenes.tables import SolidSpec
 from validation.studies._rubber import RubberOptions
 from validation.studies._study import ABSENT, Bench, Call, gathered, measurement
 from validation.units import Length, Velocity, wrong
@@ -180,14 +178,8 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     """
     rubber, velocity = options.rubber(), np.array(options.velocities)
     relaxed = float(rubber.modulus(np.zeros(1)).real[0])
-    surface = options.self_affine(length=options.length)
-    solid = SolidSpec(young=relaxed, poisson=rubber.poisson)
-    base = base_case(surface, reduced_pressure=options.reduced_pressure, solid=solid)
-    grids = grids_for(base, options.points_per_wave)
-    cases = {
-        k: slides(problem=base.further(k), rubber=rubber, velocities=options.velocities, grids=grids)
-        for k in range(options.surfaces)
-    }
+    surface, speeds = options.self_affine(length=options.length), options.velocities
+    cases = options.cases(slides, surface, rubber=rubber, relaxed=relaxed, velocities=speeds)
     data = gathered(bench, cases, slid_of, "surface").assign_coords(
         velocity=velocity, points_per_wave=("grid", list(options.points_per_wave))
     )
