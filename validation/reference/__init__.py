@@ -106,7 +106,11 @@ def lookup(
         data = wide().combine_first(data)
         if reduced_pressure >= lightest:
             data = data.sel(reduced_pressure=slice(lightest, None))
-    data = _columns(data, amplitudes, gradient)
+    data, of_spectrum = data.sel(amplitudes=amplitudes), ("area_by_spectrum", "area_by_spectrum_error")
+    if gradient == "surface":
+        data = data.drop_vars(of_spectrum, errors="ignore")
+    else:  # by that of C(q) the area alone
+        data = data[[*of_spectrum]].rename({name: name.replace("_by_spectrum", "") for name in of_spectrum})
     names = [name for name in QUANTITIES if f"{name}_error" in data.data_vars]
     try:
         values = {name: interpolated(data, name, point) for name in names}
@@ -121,11 +125,3 @@ def lookup(
 # Beside the façade's name of it: fc.reference.table() is the dataset that fc.reference(...) looks up.
 for _whole in (table, wide):
     setattr(lookup, _whole.__name__, _whole)
-
-
-def _columns(data: xr.Dataset, amplitudes: str, gradient: str) -> xr.Dataset:
-    """Return the quantities at p* by one of the gradients; by that of C(q) the area alone."""
-    data, names = data.sel(amplitudes=amplitudes), ("area_by_spectrum", "area_by_spectrum_error")
-    if gradient == "surface":
-        return data.drop_vars(names, errors="ignore")
-    return data[[*names]].rename({name: name.replace("_by_spectrum", "") for name in names})

@@ -191,8 +191,9 @@ class StudyOptions(Table):
                 off = flag.replace("--", "--no-", 1)
                 yield f"    {flag}, {off} (default: {flag if field.default else off})"
             else:
-                default, unit = _default_words(field.default), _unit_of(field)
-                about = "may be left out" if default is None else f"default: {default}"
+                default, unit = field.default, _unit_of(field)
+                values = ",".join(map(str, default)) if isinstance(default, tuple) else default
+                about = "may be left out" if default in (None, ()) else f"default: {values}"
                 kind = _kind_words(field) + ("" if unit == "1" else f" in {unit}, or with a unit")
                 yield f"    {flag} {kind} ({about})"
             yield f"        {field.description}{cls.fixed_by_scene().get(flag[2:].replace('-', '_'), '')}"
@@ -259,9 +260,3 @@ def _with_unit(text: str, field: FieldInfo) -> str:
     except ValueError:
         return text
     return text if unit == "1" else f"{text} {unit}"
-
-
-def _default_words(value: Any) -> str | None:
-    if value is None or value == ():
-        return None
-    return ",".join(map(str, value)) if isinstance(value, tuple) else str(value)

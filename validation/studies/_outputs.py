@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -51,7 +51,10 @@ def run_study(
 def study_page(result: Result, *, figures: bool) -> Page:
     """Return the page of a study, drawn or not: all of it from its dataset and from what was asked."""
     study, data, options = find_study(result.name), result.data, result.settings
-    views = study.views(data)
+    views, seed = study.views(data), options.get("seed")
+    used = str(data.attrs.get("methods", "theory bem")).split()
+    known: dict[str, Any] = {**methods(), **effect_kinds()}
+    cited = [paper for name, what in known.items() if name in used for paper in what.papers]
     page = page_of(
         data,
         replace(views, cards=tuple(_cards(data, views))),
@@ -59,8 +62,13 @@ def study_page(result: Result, *, figures: bool) -> Page:
         title=f"Study: {study.name}",
         lead=study.question,
         settings=options,
-        seeds=_seeds(options),
-        papers=_papers(str(data.attrs.get("methods", "theory bem")).split()),
+        seeds="none is asked for"
+        if seed is None
+        else f"{seed} is the first; each further surface has its own",
+        papers=(
+            *cited,
+            *(CITED_FOR[name] for name in dict.fromkeys([*used, "perimeter"]) if name in CITED_FOR),
+        ),
         summary={"kind": "study", "study": study.name, "options": dict(options)},
     )
     return replace(page, findings=(*page.findings, *_undetermined(data), *result.words))
@@ -128,14 +136,3 @@ def _undetermined(data: xr.Dataset) -> Iterator[str]:
                 f"has fewer than {LEAST_CONTACT_POINTS} points on the finest grid, or the grids extrapolate "
                 "beyond 0 or 1."
             )
-
-
-def _papers(used: Sequence[str]) -> tuple[str, ...]:
-    known: dict[str, Any] = {**methods(), **effect_kinds()}
-    cited = [paper for name, what in known.items() if name in used for paper in what.papers]
-    return (*cited, *(CITED_FOR[name] for name in dict.fromkeys([*used, "perimeter"]) if name in CITED_FOR))
-
-
-def _seeds(options: Mapping[str, Any]) -> str:
-    seed = options.get("seed")
-    return "none is asked for" if seed is None else f"{seed} is the first; each further surface has its own"

@@ -16,7 +16,6 @@ from pydantic import Field, model_validator
 from fem_contact.extrapolation import LEAST_CONTACT_POINTS
 from fem_contact.surface import HeightField
 from persson.archard import archard_hierarchy
-from validation.arrays import Array
 from validation.measurements.common import BASE_SOLID, RisingGrids, RisingSeveral
 from validation.measurements.flow import located_area
 from validation.measurements.measurement import elastic_path
@@ -82,22 +81,6 @@ def radii_of(waves: Sequence[int], heights: Sequence[float]) -> list[float]:
     return [1 / (2 * math.pi**2 * count**2 * _SLOPE * height) for count, height in levels]
 
 
-def archard_of(
-    waves: Sequence[int], heights: Sequence[float], *, loads: Sequence[float]
-) -> tuple[Array, float]:
-    """A/A0 of Archard's spheres on spheres for these waves, and the exponent of the load.
-
-    Spheres of level k have the curvature of its tops; n_k^2 of them stand on the period, on the first one too.
-    """
-    spheres = archard_hierarchy(
-        np.array(loads) * _SLOPE,
-        radii=radii_of(waves, heights),
-        densities=[float(count**2) for count in waves[1:]],
-        contact_modulus=1.0,
-    )
-    return spheres.area, spheres.exponent
-
-
 class Options(StudyOptions):
     """Which bumps on which, and how they are pressed."""
 
@@ -147,16 +130,25 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
         for n, k, points in itertools.product(counts, surfaces, options.grids)
     }
     data = gathered(bench, cases, lambda d, _: stored_variables(d), "level", "surface", "grid")
-    theory = [archard_of(waves[:n], heights[:n], loads=options.loads) for n in counts]
     loads = np.array(options.loads)
+    # Spheres of a level have the curvature of its tops; n_k^2 of them stand on the period, on the first one too.
+    theory = [
+        archard_hierarchy(
+            loads * _SLOPE,
+            radii=radii_of(waves[:n], heights[:n]),
+            densities=[float(count**2) for count in waves[1:n]],
+            contact_modulus=1.0,
+        )
+        for n in counts
+    ]
     data = data.drop_vars(["level", "grid"]).assign_coords(
         levels=("level", list(counts)),
         points=("grid", list(options.grids)),
         relative_load=("load", loads),
         middle_load=("middle", np.sqrt(loads[1:] * loads[:-1])),
     )
-    data["area_archard"] = ("level", "load"), [area for area, _ in theory]
-    data["load_exponent_archard"] = "level", [power for _, power in theory]
+    data["area_archard"] = ("level", "load"), [spheres.area for spheres in theory]
+    data["load_exponent_archard"] = "level", [spheres.exponent for spheres in theory]
     return with_exponents(data).assign_attrs(methods="theory bem", shortest=options.waves[-1])
 
 

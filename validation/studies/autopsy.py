@@ -94,27 +94,9 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     (``_probe``), and what `validation.measurements.diffusion` makes of them.
     """
     probes = {zeta: _probes(options, bench, zeta) for zeta in options.probes}
-    data = _chains(options, bench).merge(gather(probes, "probe"))
-    data = data.assign_coords(
-        reduced_pressure=("load", list(options.reduced_pressures)),
-        magnification=("level", list(options.ends)),
-        octave=[f"{a:g}-{b:g}" for a, b in itertools.pairwise(options.octaves)],
-        octave_start=("octave", list(options.octaves[:-1])),
-        probe=[f"zeta = {zeta:g}" for zeta in options.probes],
-        relative_step=("variance_step", list(options.variance_steps)),
-        upper=("bin", PROFILE_EDGES[1:]),
-        age=np.arange(data.sizes["age"]),
-    )
-    stated = ("area_ratio", "square_growth_late", "edge_loss")
-    data = claim(with_diffusion_terms(data), *stated, **ABSENT)
-    asked = options.model_dump(include={"periods", "bandwidth", "surfaces"})
-    return data.assign_attrs(methods="theory bem", **asked)
-
-
-def _chains(options: Options, bench: Bench) -> xr.Dataset:
     dims: dict[str, Any] = {"hurst": options.hursts, "load": options.reduced_pressures}
     dims |= {"surface": range(options.surfaces), "grid": options.points_per_wave}
-    cases = {
+    chains = {
         (*place, n): chain(
             problem=options.problem(*place, bandwidth=options.bandwidth),
             points=even_points(n * options.bandwidth * options.periods),
@@ -123,25 +105,40 @@ def _chains(options: Options, bench: Bench) -> xr.Dataset:
         )
         for *place, n in itertools.product(*dims.values())
     }
-    return budgets_of(bench, cases, *dims)
+    data = (
+        budgets_of(bench, chains, *dims)
+        .merge(gather(probes, "probe"))
+        .assign_coords(
+            reduced_pressure=("load", list(options.reduced_pressures)),
+            magnification=("level", list(options.ends)),
+            octave=[f"{a:g}-{b:g}" for a, b in itertools.pairwise(options.octaves)],
+            octave_start=("octave", list(options.octaves[:-1])),
+            probe=[f"zeta = {zeta:g}" for zeta in options.probes],
+            relative_step=("variance_step", list(options.variance_steps)),
+            upper=("bin", PROFILE_EDGES[1:]),
+            age=lambda data: np.arange(data.sizes["age"]),
+        )
+    )
+    stated = ("area_ratio", "square_growth_late", "edge_loss")
+    data = claim(with_diffusion_terms(data), *stated, **ABSENT)
+    asked = options.model_dump(include={"periods", "bandwidth", "surfaces"})
+    return data.assign_attrs(methods="theory bem", **asked)
 
 
 def _probes(options: Options, bench: Bench, zeta: float) -> xr.Dataset:
-    surfaces = range(options.probe_surfaces)
-    places = list(itertools.product(options.hursts, options.reduced_pressures, surfaces))
-    cases = {
-        (*place, n): probe(
-            # The waves do not depend on where the spectrum is cut, but for their common scale.
-            problem=options.problem(*place, bandwidth=zeta * RING),
-            points=even_points(n * zeta * options.periods),
-            magnification=zeta,
-            steps=options.variance_steps,
-        )
-        for place, n in itertools.product(places, options.probe_points_per_wave)
-    }
-    there = {place: options.problem(*place, bandwidth=zeta) for place in places}
-    along, per_wave = ("hurst", "load", "probe_surface"), options.slope_points_per_wave
-    slope = slopes_of(bench, there, *along, points_per_wave=per_wave)
+    surfaces, cases, there = range(options.probe_surfaces), {}, {}
+    for place in itertools.product(options.hursts, options.reduced_pressures, surfaces):
+        there[place] = options.problem(*place, bandwidth=zeta)
+        for n in options.probe_points_per_wave:
+            cases[*place, n] = probe(
+                # The waves do not depend on where the spectrum is cut, but for their common scale.
+                problem=options.problem(*place, bandwidth=zeta * RING),
+                points=even_points(n * zeta * options.periods),
+                magnification=zeta,
+                steps=options.variance_steps,
+            )
+    per_wave = options.slope_points_per_wave
+    slope = slopes_of(bench, there, "hurst", "load", "probe_surface", points_per_wave=per_wave)
     data = budgets_of(bench, cases, "hurst", "load", "surface", "grid")
     dims = {"step": "variance_step", "level": "probe_level", "grid": "probe_grid", "surface": "probe_surface"}
     apart = {

@@ -80,30 +80,24 @@ def creeps(
 def crept_of(measured: xr.Dataset, solve: Call) -> xr.Dataset:
     """Reduce what one of `creeps` left to (phase, instant) on its finest grid, its step from the grid before, and theory.
 
-    Held, both contacts are one: the most that they differ by is the error of the steps in time.
+    The theory is told E = 1/J(t) and the realised gradient. Held, both contacts are one: the most that they differ by is the error of the steps in time.
     """
     fine, before = (measured.isel(grid=k) for k in (-1, -2))
     numbers: dict[str, Any] = {f"{name}_each": fine[name] for name in measured.data_vars}
     numbers |= {f"{name}_each_drift": fine[name] - before[name] for name in measured.data_vars}
     steps = abs(fine.area - fine.area_crept).isel(phase=0, drop=True).max("instant")
     numbers["area_each_error"] = error_of(fine.area, grid=0.0, solver=steps, **ABSENT)
-    theory = _theory(solve["problem"], solve["rubber"], np.array(solve["durations"]), solve["load_left"])
-    numbers |= {f"{name}_each": (("phase", "instant"), area) for name, area in theory.items()}
-    return xr.Dataset(numbers)
+    problem, rubber = solve["problem"], solve["rubber"]
+    moduli = moduli_of(rubber, np.array(solve["durations"])) / (1 - rubber.poisson**2)
+    variance = elastic.stress_variance(problem.field.rms_gradient**2, contact_modulus=1.0) * moduli**2
+    loads = problem.pressure * np.array([[1.0], [solve["load_left"]]])
+    theory = variant_areas(loads, stress_variance=variance)
+    return xr.Dataset(numbers | {f"{n}_each": (("phase", "instant"), area) for n, area in theory.items()})
 
 
 def moduli_of(rubber: PronySolid, durations: Array) -> Array:
     """1/J [Pa] at the times after each change, (phase, instant)."""
     return 1 / rubber.creep_compliance(np.array([durations, durations[-1] + durations]))
-
-
-def _theory(
-    problem: ContactProblem, rubber: PronySolid, durations: Array, load_left: float
-) -> dict[str, Array]:
-    """A/A0 by every variant, (phase, instant), with E = 1/J(t) and the realised gradient."""
-    moduli = moduli_of(rubber, durations) / (1 - rubber.poisson**2)
-    variance = elastic.stress_variance(problem.field.rms_gradient**2, contact_modulus=1.0) * moduli**2
-    return variant_areas(problem.pressure * np.array([[1.0], [load_left]]), stress_variance=variance)
 
 
 class Options(RubberOptions):

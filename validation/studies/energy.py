@@ -60,8 +60,7 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     cases["near"] = first.but(reduced_pressures=tuple(near), tolerance=_STRICT[-1])
     data = measured_path(options, bench=bench)
     checks = solved(bench, cases)
-    data = data.assign(_checked(checks["near"], checks[_STRICT[-2]]) | _left(checks))
-    data = data.assign_coords(tolerance=list(_STRICT[:-1]))
+    data = data.assign(_checked(checks)).assign_coords(tolerance=list(_STRICT[:-1]))
     used = options.tolerance(TOLERANCE)
     usual = int(np.argmin(np.abs(np.log(np.divide(_STRICT[:-1], used)))))
     for name in _COMPARED:
@@ -78,26 +77,29 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     return data.assign_attrs(methods="theory bem yang_persson wang_mueser xu", solver_tolerance=used)
 
 
-def _checked(near: xr.Dataset, usual: xr.Dataset) -> dict[str, Any]:
+def _checked(checks: Mapping[Any, xr.Dataset]) -> dict[str, Any]:
+    near, usual = checks["near"], checks[_STRICT[-2]]
+    *looser, strictest = (reduced_numbers(checks[t].isel(grid=0, shift=0)) for t in _STRICT)
     contact, at = (result.isel(grid=0, shift=0) for result in (usual, near))
     load, gap, energy = (
         at[name].values.reshape(-1, 2) for name in ("reduced_pressure", "mean_gap", "energy")
     )
     scale = near.attrs["contact_modulus"] * near.attrs["rms_gradient"]
     fall, middle = gap[:, 0] - gap[:, 1], load.mean(axis=1)
-    numbers = reduced_numbers(contact)
-    stored = numbers["energy_ratio"].values
+    stored = looser[-1]["energy_ratio"].values
     path = _path_work(contact, usual.attrs) / usual.attrs["full_contact_energy"]
     with np.errstate(divide="ignore", invalid="ignore"):
-        checks = {
+        single = {
             "work_check": np.diff(energy, axis=1)[:, 0] / (middle * scale * fall),
             "path_work_check": (stored - stored[0]) / path,
             "stiffness_check": np.diff(load, axis=1)[:, 0]
             * (near.attrs["rms_height"] / fall / middle / contact.stiffness.values),
             "energy_ratio_first": stored,
-            "gap_first": numbers["gap"].values,
+            "gap_first": looser[-1]["gap"].values,
         }
-    return {name: ("load", values) for name, values in checks.items()}
+        left = {n: np.abs([numbers[n] / best - 1 for numbers in looser]) for n, best in strictest.items()}
+    shares = {f"left_{name}": (("tolerance", "load"), values) for name, values in left.items()}
+    return shares | {name: ("load", values) for name, values in single.items()}
 
 
 def _path_work(contact: xr.Dataset, attributes: Mapping[str, float]) -> Array:
@@ -108,15 +110,6 @@ def _path_work(contact: xr.Dataset, attributes: Mapping[str, float]) -> Array:
     step = np.diff(np.log(load))
     pieces = step / 2 * (moment[1:] + moment[:-1]) + step**2 / 12 * (slope[:-1] - slope[1:])
     return np.concatenate([[0.0], moment[0] - moment[1:] + np.cumsum(pieces)])
-
-
-def _left(checks: Mapping[Any, xr.Dataset]) -> dict[str, Any]:
-    *looser, strictest = (reduced_numbers(checks[t].isel(grid=0, shift=0)) for t in _STRICT)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        return {
-            f"left_{name}": (("tolerance", "load"), np.abs([numbers[name] / best - 1 for numbers in looser]))
-            for name, best in strictest.items()
-        }
 
 
 def views(data: xr.Dataset) -> Views:

@@ -147,20 +147,16 @@ class Options(RubberOptions):
 
     def rubber(self) -> Rubber:
         """Return the solid that was asked for."""
-        if self.modulus_table is not None:
-            return _table_of(Path(self.modulus_table), poisson=self.poisson)
-        return self.prony()
-
-
-def _table_of(path: Path, *, poisson: float) -> TabulatedSolid:
-    try:
-        text = read_whole(path, most=_LARGEST).decode()
-        omega, storage, loss = np.loadtxt(io.StringIO(text), ndmin=2, unpack=True)
-        return TabulatedSolid(frequencies=omega, storage=storage, loss=loss, poisson=poisson)
-    except (OSError, ValueError, InvalidInput) as error:
-        raise UsageError(
-            f"--modulus-table = {str(path)!r}: must hold lines of omega [1/s], E' [Pa] and E'' [Pa] ({error})"
-        ) from None
+        if self.modulus_table is None:
+            return self.prony()
+        try:
+            text = read_whole(Path(self.modulus_table), most=_LARGEST).decode()
+            omega, storage, loss = np.loadtxt(io.StringIO(text), ndmin=2, unpack=True)
+            return TabulatedSolid(frequencies=omega, storage=storage, loss=loss, poisson=self.poisson)
+        except (OSError, ValueError, InvalidInput) as error:
+            raise UsageError(
+                f"--modulus-table = {self.modulus_table!r}: must hold lines of omega [1/s], E' [Pa] and E'' [Pa] ({error})"
+            ) from None
 
 
 #: Of the theory: friction with either energy, area by each variant, and both over what is computed.
