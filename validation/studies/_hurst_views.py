@@ -27,24 +27,15 @@ _LIGHT, _PUBLISHED = 0.12, 0.8
 
 def views(data: xr.Dataset) -> Views:
     """Kappa against H, against the Nayak parameter, and along the ladders."""
-    climbed, beside = "ladder" in data.dims, "solver" in data.dims
+    beside = "solver" in data.dims
     names = ("family", "hurst", "bandwidth", "nayak", "reduced_pressure", "kappa")
     counted = (Column("kappa_pixel", {"grid": -1}), Column("kappa_pixel", {"grid": 0}))
     theories = ("kappa_persson", "kappa_ensemble", "kappa_yang_persson", "kappa_wang_mueser", "kappa_xu")
     return Views(
         table=Table(("family", "hurst", "load"), (*names, *counted, *theories)),
         budget=("kappa", *(("kappa_by_solver",) if beside else ())),
-        figures=[
-            *(_of_solvers_against_hurst(data) if beside else ()),
-            _against_hurst(data),
-            _against_nayak(data),
-            *(_ladder_figures() if climbed else ()),
-        ],
-        findings=[
-            *_of_families(data),
-            *(_of_ladders(data) if climbed else ()),
-            *(_beside(data) if beside else ()),
-        ][:MOST_FINDINGS],
+        figures=[*_figures(data)],
+        findings=[*_findings(data)][:MOST_FINDINGS],
     )
 
 
@@ -58,21 +49,19 @@ _LITERATURE = Band(
 )
 
 
-def _of_solvers_against_hurst(data: xr.Dataset) -> Iterator[Figure]:
-    reduced_pressure = float(data.reduced_pressure_by_solver)
-    same = np.flatnonzero(np.isclose(data.reduced_pressure, reduced_pressure))
-    look, label = {"mfc": "white", "ls": ":"}, "boundary elements, {family}"
-    wide = [Line("kappa", by="family", at={"load": int(k)}, look=look, label=label) for k in same]
-    caption = f"kappa against the Hurst exponent at p* = {reduced_pressure:g}, limits over the grids of each solver on the same "
-    caption += (
-        f"surfaces of bandwidth {float(data.bandwidth_by_solver):g}; Persson's theory; published values."
-    )
-    persson = Level("kappa_persson_by_solver", label="Persson")
-    panel = against("hurst", "kappa_by_solver", *wide, persson, _LITERATURE, by="solver", bottom=1.5)
-    yield Figure("kappa-of-solvers", caption, [panel])
-
-
-def _against_hurst(data: xr.Dataset) -> Figure:
+def _figures(data: xr.Dataset) -> Iterator[Figure]:
+    if "solver" in data.dims:
+        reduced_pressure = float(data.reduced_pressure_by_solver)
+        same = np.flatnonzero(np.isclose(data.reduced_pressure, reduced_pressure))
+        look, label = {"mfc": "white", "ls": ":"}, "boundary elements, {family}"
+        wide = [Line("kappa", by="family", at={"load": int(k)}, look=look, label=label) for k in same]
+        caption = f"kappa against the Hurst exponent at p* = {reduced_pressure:g}, limits over the grids of each solver on the same "
+        caption += (
+            f"surfaces of bandwidth {float(data.bandwidth_by_solver):g}; Persson's theory; published values."
+        )
+        persson = Level("kappa_persson_by_solver", label="Persson")
+        panel = against("hurst", "kappa_by_solver", *wide, persson, _LITERATURE, by="solver", bottom=1.5)
+        yield Figure("kappa-of-solvers", caption, [panel])
     which = ", {family}" * (data.sizes["family"] > 1)
     marks = (
         Line("kappa", by="family", label=f"limit over grids{which}"),
@@ -81,7 +70,7 @@ def _against_hurst(data: xr.Dataset) -> Figure:
     )
     panels = panels_along(data, "load", against("hurst", *marks, bottom=1.35))
     area = data.kappa.isel(family=0).mean("hurst") * data.reduced_pressure
-    return Figure(
+    yield Figure(
         "kappa-against-hurst",
         "kappa against the Hurst exponent at each load: the limit over grids, points counted on the coarsest "
         "grid, and Persson's theory; black, published values (light load).",
@@ -91,64 +80,48 @@ def _against_hurst(data: xr.Dataset) -> Figure:
         ],
     )
 
-
-def _against_nayak(data: xr.Dataset) -> Figure:
-    marks = ("kappa", Level("kappa_bgt"), Level("kappa_persson_light"))
-    panels = panels_along(data, "load", against("nayak", *marks, by="family", log="x"))
-    caption = "The same kappa against the realised Nayak parameter at each load."
-    return Figure("kappa-against-nayak", caption, panels)
-
-
-def _ladder_figures() -> tuple[Figure, ...]:
-    panels = []
+    theories = (Level("kappa_bgt"), Level("kappa_persson_light"))
+    yield Figure(
+        "kappa-against-nayak",
+        "The same kappa against the realised Nayak parameter at each load.",
+        panels_along(data, "load", against("nayak", "kappa", *theories, by="family", log="x")),
+    )
+    if "ladder" not in data.dims:
+        return
+    limits = []
     for kind, title in (("by_bandwidth", "lambda_short/lambda_long falls"), ("by_size", "the sample grows")):
         end = f"step_{kind}_line"
-        marks = (
+        lines = (
             Line(f"kappa_{kind}", by="ladder", joined=False, look={"mfc": "white"}),
             Line(f"kappa_{kind}_line", x=end, by="ladder", look={"marker": "", "lw": 0.8}, label=""),
             Line(f"kappa_{kind}_limit", x=end, at={"end": 0}, by="ladder", label=""),
         )
-        panels.append(against(f"step_{kind}", *marks, y="kappa", title=title))
-    rungs = ("kappa_by_bandwidth", Level("kappa_bgt"), Level("kappa_persson_light"))
+        limits.append(against(f"step_{kind}", *lines, y="kappa", title=title))
     paper, published = "paper_kappa_ratio", "kappa_ratio_published"
     papers = [
         Level(published, at={paper: k}, look={"ls": ls}, label=f"{{{paper}}}")
         for k, ls in enumerate((":", "--", "-"))
     ]
-    return (
-        Figure(
-            "kappa-of-wider-bands",
-            "kappa against the realised Nayak parameter as the bandwidth grows at equal H.",
-            [against("nayak_by_bandwidth", *rungs, by="ladder", y="kappa", log="x")],
-        ),
-        Figure(
-            "kappa-limits",
-            "kappa against the step to its order as the bandwidth grows (left) and the sample (right); lines and "
-            "filled symbols at 0: the limit where it is determinable.",
-            panels,
-        ),
-        Figure(
-            "alpha-against-magnification",
-            "kappa over that of Persson's theory as waves are added; black, published slopes alpha(zeta) of A = alpha F "
-            "at light load for H = 0.8, as Persson (2006, Sec. 3.5) quotes them.",
-            [against("bandwidth_rung", "kappa_ratio_by_bandwidth", *papers, by="ladder", log="x")],
-        ),
+    yield Figure(
+        "kappa-of-wider-bands",
+        "kappa against the realised Nayak parameter as the bandwidth grows at equal H.",
+        [against("nayak_by_bandwidth", "kappa_by_bandwidth", *theories, by="ladder", y="kappa", log="x")],
+    )
+    yield Figure(
+        "kappa-limits",
+        "kappa against the step to its order as the bandwidth grows (left) and the sample (right); lines and "
+        "filled symbols at 0: the limit where it is determinable.",
+        limits,
+    )
+    yield Figure(
+        "alpha-against-magnification",
+        "kappa over that of Persson's theory as waves are added; black, published slopes alpha(zeta) of A = alpha F "
+        "at light load for H = 0.8, as Persson (2006, Sec. 3.5) quotes them.",
+        [against("bandwidth_rung", "kappa_ratio_by_bandwidth", *papers, by="ladder", log="x")],
     )
 
 
-def _beside(data: xr.Dataset) -> Findings:
-    form = "By its own limit over grids kappa is, at p* = {reduced_pressure_by_solver} and bandwidth {bandwidth_by_solver}, by "
-    form += "{solver}: {each}."
-    item = (
-        "{kappa_by_solver} at H = {hurst}, {kappa_by_solver_difference:+%} from boundary elements ({verdict})"
-    )
-    outcomes = {"agree": "not distinguishable", "differ": "beyond the intervals"}
-    for k in range(1, data.sizes["solver"]):
-        here = data.isel(solver=k)
-        yield finding("agreement", form, here, item=item, by="kappa_by_solver_difference", words=outcomes)
-
-
-def _of_families(data: xr.Dataset) -> Findings:
+def _findings(data: xr.Dataset) -> Findings:
     ends = {"first": data.hurst[0], "last": data.hurst[-1]}
     ends |= {"low": data.bandwidth.min(), "high": data.bandwidth.max()}
     if data.sizes["hurst"] > 1:
@@ -165,6 +138,17 @@ def _of_families(data: xr.Dataset) -> Findings:
         f"The limit over Persson's theory is {{each}} (mean over spectra of lambda_long/lambda_short {wide})."
     )
     yield finding("value", form, data, item="{kappa_ratio} at p* = {reduced_pressure}", **ends)
+    if "ladder" in data.dims:
+        yield from _of_ladders(data)
+    form = "By its own limit over grids kappa is, at p* = {reduced_pressure_by_solver} and bandwidth {bandwidth_by_solver}, by "
+    form += "{solver}: {each}."
+    item = (
+        "{kappa_by_solver} at H = {hurst}, {kappa_by_solver_difference:+%} from boundary elements ({verdict})"
+    )
+    outcomes = {"agree": "not distinguishable", "differ": "beyond the intervals"}
+    for k in range(1, data.sizes.get("solver", 0)):
+        here = data.isel(solver=k)
+        yield finding("agreement", form, here, item=item, by="kappa_by_solver_difference", words=outcomes)
 
 
 def _of_ladders(data: xr.Dataset) -> Findings:
