@@ -22,7 +22,8 @@ from validation.report.views import (
     panels_along,
 )
 
-_AREAS = ("area_pixel_each", "area_perimeter_each", "area_located_each", "area_each")
+#: Of other methods, one after the other.
+_COLOURS = ("#0b5394", "#b45f06", "#741b47")
 
 
 def views(data: xr.Dataset) -> Views:
@@ -31,13 +32,14 @@ def views(data: xr.Dataset) -> Views:
     names: tuple[str, ...] = ("points", "resolution", "points_per_wave", "cells_per_patch", "kappa_pixel")
     names += ("distance_pixel", "distance_perimeter", "distance_located")
     names += ("first_moment", "density_at_zero", "patches")
-    parts = tuple(Column("cells_at_part", {"part": k}) for k in range(data.sizes["part"]))
+    parts = (Column("cells_at_part", {"part": k}) for k in range(data.sizes["part"]))
+    areas = ("area_pixel_each", "area_perimeter_each", "area_located_each", "area_each")
     return Views(
         table=Table(("grid",), (*names, *parts, "seconds")),
         more=(
             Table(
                 ("grid",),
-                ("points", "points_per_wave", *(Column(name, {"surface": 0}) for name in _AREAS)),
+                ("points", "points_per_wave", *(Column(name, {"surface": 0}) for name in areas)),
                 title="The first surface alone, which is that of a scene",
                 note="A/A0 on each grid, and its limit with the interval of the grids.",
                 file="first-surface",
@@ -45,7 +47,7 @@ def views(data: xr.Dataset) -> Views:
         ),
         budget=("kappa", *(("kappa_other",) if "other" in data.dims else ())),
         figures=[*_on_grids(data, first)],
-        findings=[*_of_areas(data, first), *_of_others(data)],
+        findings=[*_findings(data, first)],
     )
 
 
@@ -54,18 +56,13 @@ def _on_grids(data: xr.Dataset, first: int) -> Iterator[Figure]:
     sizes = [f"distance_{name}_size" for name in ("pixel", "perimeter", "located")]
     panels = [against(waves, *sizes, log="xy")]
     if "other" in data.dims:
-        lines = [
-            Line(
-                f"distance_other_{name}_size",
-                where={"method_other": method},
-                label=f"{method}, {how}",
-                look={"color": colour},
-            )
-            for method, colour in zip(
-                data.other.values, cycle(("#0b5394", "#b45f06", "#741b47")), strict=False
-            )
-            for name, how in (("pixel", "counted"), ("perimeter", "corrected"))
-        ]
+        lines = []
+        for method, colour in zip(data.other.values, cycle(_COLOURS), strict=False):
+            one = {"where": {"method_other": method}, "look": {"color": colour}}
+            lines += [
+                Line(f"distance_other_{name}_size", label=f"{method}, {how}", **one)
+                for name, how in (("pixel", "counted"), ("perimeter", "corrected"))
+            ]
         panels.append(against("points_per_wave_other", *lines, log="xy"))
     caption = "Distance of each definition of the area from the limit of its own surface, mean over surfaces."
     yield Figure("error-against-resolution", caption, panels)
@@ -75,24 +72,27 @@ def _on_grids(data: xr.Dataset, first: int) -> Iterator[Figure]:
         "Sec. 12) asks for 100 to 10000 cells.",
         [against("cells_per_patch_each", "distance_pixel_each", by="surface", log="xy")],
     )
-    grids = sorted({first, (first + data.sizes["grid"] - 1) // 2, data.sizes["grid"] - 1})
-    label = "lambda_short/dx = {points_per_wave}"
-    thin = {"marker": "", "lw": 1}
-    lines = [Line("stress_density", at={"grid": g}, look=thin, label=label) for g in grids]
+    last = data.sizes["grid"] - 1
+    look, label = {"marker": "", "lw": 1}, "lambda_short/dx = {points_per_wave}"
+    grids = sorted({first, (first + last) // 2, last})
+    lines = [Line("stress_density", at={"grid": g}, look=look, label=label) for g in grids]
     yield Figure(
         "stress-on-grids",
         "P(sigma) on a coarse, a middling and the finest grid: the load is kept, the area is not.",
         [against("stress", *lines, "stress_density_persson", bottom=0.0, right=2.0)],
     )
-    caption = "Number of contact patches (left), and cells of the patches that hold parts of the area (right), against the grid."
-    parts = against(waves, "cells_at_part", by="part", log="xy")
-    panels = [against(waves, "patches", log="x"), parts]
-    yield Figure("patches-on-grids", caption, panels)
+    yield Figure(
+        "patches-on-grids",
+        "Number of contact patches (left), and cells of the patches that hold parts of the area (right), against the grid.",
+        [against(waves, "patches", log="x"), against(waves, "cells_at_part", by="part", log="xy")],
+    )
     if "slope" in data.dims:
-        caption = "kappa when the roughness goes down to the grid scale and nodes are counted, by how the slope is measured."
         marks = ("kappa_protocol", Level("kappa"), Level("kappa_persson"))
-        panel = against("points_protocol", *marks, by="slope", y="kappa", log="x")
-        yield Figure("grid-scale-protocol", caption, [panel])
+        yield Figure(
+            "grid-scale-protocol",
+            "kappa when the roughness goes down to the grid scale and nodes are counted, by how the slope is measured.",
+            [against("points_protocol", *marks, by="slope", y="kappa", log="x")],
+        )
     if "solver" in data.dims:
         caption = "kappa with roughness down to the grid, nodes counted, by how the slope is measured: boundary elements, and "
         caption += "full finite elements as Hyun et al. had them; the converged kappa of the same surfaces."
@@ -104,7 +104,7 @@ def _on_grids(data: xr.Dataset, first: int) -> Iterator[Figure]:
         yield Figure("grid-scale-by-solver", caption, panels_of)
 
 
-def _of_areas(data: xr.Dataset, first: int) -> Findings:
+def _findings(data: xr.Dataset, first: int) -> Findings:
     """Say what counting is off on the grids from the `first` resolved one on, and which pressures make it."""
     resolved = data.isel(grid=slice(first, None))
     limit = "In the limit kappa is {kappa} at p* = {reduced_pressure}, lambda_long/lambda_short = {bandwidth}"
@@ -126,13 +126,6 @@ def _of_areas(data: xr.Dataset, first: int) -> Findings:
     form += "against {fine} points per wave. Pressures below {small} E* h'_rms make {small_stress_part:%} of that excess; of "
     form += "larger ones the coarse grid has {large_stress_change:+%}."
     yield finding("share", form, data, small=SMALL, coarse=coarse, fine=fine)
-
-
-_AGREES = {"agree": "agrees", "differ": "does not agree", "?": "can neither be confirmed nor ruled out"}
-_APART = {"agree": "not distinguishable from it", "differ": "beyond its intervals"}
-
-
-def _of_others(data: xr.Dataset) -> Findings:
     if "slope" in data.dims:
         last = data.isel(protocol_grid=-1)
         slopes = ", ".join(f"{{s{k}}} ({name})" for k, name in enumerate(data.slope.values))
@@ -140,13 +133,19 @@ def _of_others(data: xr.Dataset) -> Findings:
         form = f"With roughness to the grid scale kappa is {slopes}, a spread of {{kappa_protocol_spread:%}}; beside the "
         form += "converged {kappa} there was published: {each}."
         item = "{kappa_published_range} ({paper_kappa}), which {verdict}"
-        yield finding("agreement", form, last, item=item, by="kappa_difference", words=_AGREES, **values)
+        outcomes = {
+            "agree": "agrees",
+            "differ": "does not agree",
+            "?": "can neither be confirmed nor ruled out",
+        }
+        yield finding("agreement", form, last, item=item, by="kappa_difference", words=outcomes, **values)
     if "solver" in data.dims:
         yield from _of_protocol(data.sel(solver="fem"))
     if "other" in data.dims:
         form = "Beside the limit of the boundary elements, those of other methods lie {each}."
         item = "{distance_other:+%} ({other}): {verdict}"
-        yield finding("agreement", form, data, item=item, by="distance_other", words=_APART)
+        outcomes = {"agree": "not distinguishable from it", "differ": "beyond its intervals"}
+        yield finding("agreement", form, data, item=item, by="distance_other", words=outcomes)
 
 
 def _of_protocol(data: xr.Dataset) -> Findings:

@@ -1,6 +1,7 @@
 """What does each digit of the contact area cost, for which method and which definition, and do the claimed errors hold?"""
 
 import itertools
+from collections import Counter
 from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any
@@ -22,7 +23,7 @@ from validation.measurements.external_codes import (
 from validation.measurements.measurement import area_limits, grids_for, press_on_grids
 from validation.measurements.ways import AREAS, chosen_ways, covered, way, ways_of_bem
 from validation.report.estimates import NORMAL, error_of, gather
-from validation.report.views import Figure, Finding, Level, Line, Panel, Table, Views, against, finding, note
+from validation.report.views import Figure, Finding, Level, Line, Table, Views, against, finding, note
 from validation.studies._options import Methods, ReducedPressure, Seed, Surfaces
 from validation.studies._scene import PressedOptions, SolverRequest
 from validation.studies._study import Bench, Call, Measured, solved
@@ -138,6 +139,11 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
         reference_rms=float(np.sqrt(np.mean(uncertainty**2))),
     )
     data["area_deviation_rms"] = (data.area_deviation_each**2).mean("surface") ** 0.5
+    missed = (
+        label.split(" {}, ")[0]
+        for (part, label, _), result in measured.items()
+        if part in ("others", "FEM") and float(result.converged) < 1
+    )
     codes, known = options.peers, known_peers()
     others, parts = options.others(options.method_points_per_wave), {part for part, _, _ in measured}
     cited = ["bem", *(["fem"] if "FEM" in parts else []), *(solver.method for solver in others)]
@@ -146,7 +152,7 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
         peers=" ".join([*codes[:-1], *(solver.name for solver in others)]),
         absent="" if others else ", ".join(code for code in known if code not in codes),
         measured_by=code_versions(codes) if codes else "",
-        unsettled=_unsettled(measured),
+        unsettled=", ".join(f"{name} {count}" for name, count in Counter(missed).items()),
         methods=" ".join([*cited, *(known[code] for code in codes[:-1]), "perimeter"]),
     )
 
@@ -165,15 +171,6 @@ def _ways(options: Options, measured: Measured) -> Iterator[xr.Dataset]:
                     peak_bytes=solved_by.peak_bytes,
                     process=solver.method not in ("bem", "fem"),
                 )
-
-
-def _unsettled(measured: Measured) -> str:
-    missed = [
-        label.split(" {}, ")[0]
-        for (part, label, _), result in measured.items()
-        if part in ("others", "FEM") and float(result.converged) < 1
-    ]
-    return ", ".join(f"{name} {missed.count(name)}" for name in dict.fromkeys(missed))
 
 
 def views(data: xr.Dataset) -> Views:
@@ -195,7 +192,16 @@ def views(data: xr.Dataset) -> Views:
         *(_against_peer(data, code) for code in data.attrs["peers"].split()),
     ]
     findings += [note(form, it=data.attrs[name]) for name, form in _NOTES.items() if data.attrs.get(name)]
-    names = [f"{name}_{which}" for which in ("fastest", "leanest") for name in ("way", *_COSTS)]
+    costs = ("area_deviation_rms", "seconds", "peak_bytes")
+    names = [f"{name}_{which}" for which in ("fastest", "leanest") for name in ("way", *costs)]
+    kinds = dict.fromkeys(data.kind.values.tolist())
+    dots = [Line(costs[0], where={"kind": kind}, joined=False, label=kind) for kind in kinds]
+    look = {"color": "black", "marker": "", "lw": 0.8}
+    fronts = {
+        x: Line(f"{costs[0]}_front_{x}", x=f"{x}_front", label="no other is better", look=look)
+        for x in costs[1:]
+    }
+    floor = Level("reference_rms", look={"color": "black", "ls": ":"}, label="reference")
     return Views(
         table=Table(("target",), ("accuracy", *names)),
         figures=[
@@ -203,28 +209,18 @@ def views(data: xr.Dataset) -> Views:
                 "accuracy-cost",
                 "Error of the contact area of every way to it against processor time on one thread (left) and "
                 "memory (right) for one surface; lines, ways that no other beats; black, the reference.",
-                [_panel(data, cost) for cost in ("seconds", "peak_bytes")],
+                [against(x, *dots, front, floor, y=costs[0], log="xy") for x, front in fronts.items()],
             )
         ],
         findings=findings[:6],
     )
 
 
-_COSTS = ("area_deviation_rms", "seconds", "peak_bytes")
 _NOTES = {
     "measured_by": "Other codes and ours are solved alike, each in a process of its own: {it}.",
     "unsettled": "Answers without the residuals that were asked for, counted all the same: {it}.",
     "absent": "Not compared, because not installed (extra `peers`) or not asked for: {it}.",
 }
-
-
-def _panel(data: xr.Dataset, cost: str) -> Panel:
-    kinds = list(dict.fromkeys(data.kind.values.tolist()))
-    dots = [Line("area_deviation_rms", where={"kind": kind}, joined=False, label=kind) for kind in kinds]
-    look = {"color": "black", "marker": "", "lw": 0.8}
-    front = Line(f"area_deviation_rms_front_{cost}", x=f"{cost}_front", label="no other is better", look=look)
-    floor = Level("reference_rms", look={"color": "black", "ls": ":"}, label="reference")
-    return against(cost, *dots, front, floor, y="area_deviation_rms", log="xy")
 
 
 def _against_peer(data: xr.Dataset, code: str) -> Finding:
