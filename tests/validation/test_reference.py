@@ -30,7 +30,7 @@ from validation.measurements.measurement import grid_for, grids_for, press_on_gr
 from validation.measurements.table_samples import QUANTITIES, at_loads, joined, with_size
 from validation.reference.citable import ATTRIBUTES, as_csv
 from validation.reference.fit import at_equal_alpha, bandwidth_at, nayak
-from validation.reference.interpolation import _curvature, interpolated
+from validation.reference.interpolation import _curvature, _place, interpolated
 from validation.reference.theory import theory_at_nodes
 from validation.report.estimates import claim, total_error
 from validation.studies import reference as study
@@ -207,7 +207,8 @@ def test_what_bends_along_an_axis_is_uncertain_by_the_parabola_through_its_nodes
     nodes = {"hurst": HURSTS, "bandwidth": np.log(BANDWIDTHS), "reduced_pressure": np.log(LOADS)}
     h, b, p = np.ix_(*nodes.values())
     asked = {"hurst": 0.6, "bandwidth": 5.0, "reduced_pressure": LOADS[0]}
-    found = _curvature(planted, 0.4 * h**2 - 0.3 * b**2 + 0 * p, asked)
+    places = [_place(planted, axis, asked) for axis in asked]
+    found = _curvature(0.4 * h**2 - 0.3 * b**2 + 0 * p, places)
     apart = 0.4 * 0.1 * 0.4 + 0.3 * np.log(5 / 4) * np.log(8 / 5)
     assert found == pytest.approx(apart, rel=1e-9)
 

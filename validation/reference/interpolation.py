@@ -1,6 +1,6 @@
 """Between the nodes of the reference table, and no farther."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,6 +18,8 @@ from validation.report.quantities import quantity
 QUANTITIES = ("area", "gap", "compliance", "energy_ratio", "density_slope", "patch_density")
 #: Of interpolations over their difference, so that 95 % of nodes that are left out lie within.
 _SAFETY = 1.5
+#: Nodes along an axis, and the point between them: H, and logarithms of the others.
+Place = tuple[Array, float]
 _AXES = {"hurst": "H", "bandwidth": "lambda_long/lambda_short", "reduced_pressure": "p*"}
 
 
@@ -54,24 +56,26 @@ def interpolated(data: xr.Dataset, name: str, point: Mapping[str, float]) -> Ref
     data = _whole_part(data, point["hurst"], point["bandwidth"])
     _check_within(data, "reduced_pressure", point)  # of which not every spectrum has all
     values = data[name].transpose(*_AXES).values
+    places = [_place(data, axis, point) for axis in _AXES]
     # Over a theory little is left that bends.
     lowest = lowest_wave(**data.attrs)
     over = _theory(name, lowest, *(tuple(data[axis].values.tolist()) for axis in _AXES))
     at = float(_theory(name, lowest, *((point[axis],) for axis in _AXES)).item())
     ratio = name == "area"
-    shown = values / over if ratio else np.log(values / over)
-    smooth = _smooth(data, shown, point)
-    value = at * (smooth if ratio else float(np.exp(smooth)))
+    shown = smooth = values / over if ratio else np.log(values / over)
+    for nodes, to in places:  # by monotone cubics along one axis after the other, by a line between two nodes
+        smooth = PchipInterpolator(nodes, smooth, axis=0)(to) if nodes.size > 1 else smooth[0]
+    value = at * float(smooth if ratio else np.exp(smooth))
     error = total_error(data, name)
     assert error is not None
     relative = error.transpose(*_AXES).values / values
-    apart = max(abs(smooth - _straight(data, shown, point)), _curvature(data, shown, point))
+    apart = max(abs(float(smooth) - _straight(shown, places)), _curvature(shown, places))
     interpolation = _SAFETY * (at if ratio else value) * apart
     return ReferenceValue(
         quantity=name,
         meaning=quantity(name).meaning,
         value=value,
-        uncertainty=float(np.hypot(value * _straight(data, relative, point), interpolation)),
+        uncertainty=float(np.hypot(value * _straight(relative, places), interpolation)),
         interpolation=interpolation,
     )
 
@@ -123,18 +127,16 @@ def _theory(name: str, lowest: float, *nodes: tuple[float, ...]) -> Array:
     return theory_at_nodes(*nodes, lowest=lowest).get(name, np.ones(len(nodes[2])))
 
 
-def _smooth(data: xr.Dataset, values: Array, point: Mapping[str, float]) -> float:
-    """Interpolate by monotone cubics along one axis after the other; by a straight line between two nodes."""
-    for name in point:
-        nodes, at = _coordinates(data, name, point)
-        values = PchipInterpolator(nodes, values, axis=0)(at) if nodes.size > 1 else values[0]
-    return float(values)
+def _place(data: xr.Dataset, name: str, point: Mapping[str, float]) -> Place:
+    nodes, at = data[name].values.astype(float), point[name]
+    if name != "hurst":
+        nodes, at = np.log(nodes), float(np.log(at))
+    return nodes, float(np.clip(at, nodes[0], nodes[-1]))
 
 
-def _straight(data: xr.Dataset, values: Array, point: Mapping[str, float]) -> float:
+def _straight(values: Array, places: Sequence[Place]) -> float:
     """Interpolate by straight lines along one axis after the other; of two nodes the nearest."""
-    for name in point:
-        nodes, at = _coordinates(data, name, point)
+    for nodes, at in places:
         k = int(np.clip(np.searchsorted(nodes, at), 1, max(nodes.size - 1, 1)))
         share = (at - nodes[k - 1]) / (nodes[k] - nodes[k - 1]) if nodes.size > 1 else 0.0
         share = round(share) if nodes.size == 2 else share
@@ -142,22 +144,13 @@ def _straight(data: xr.Dataset, values: Array, point: Mapping[str, float]) -> fl
     return float(values)
 
 
-def _coordinates(data: xr.Dataset, name: str, point: Mapping[str, float]) -> tuple[Array, float]:
-    """Nodes along an axis, and the point between them: H, and logarithms of the others."""
-    nodes, at = data[name].values.astype(float), point[name]
-    if name != "hurst":
-        nodes, at = np.log(nodes), float(np.log(at))
-    return nodes, float(np.clip(at, nodes[0], nodes[-1]))
-
-
-def _curvature(data: xr.Dataset, values: Array, point: Mapping[str, float]) -> float:
+def _curvature(values: Array, places: Sequence[Place]) -> float:
     """Sum over the axes of how far a parabola through three nodes is from the straight line."""
     total = 0.0
-    for name in point:
-        nodes, at = _coordinates(data, name, point)
+    for axis, (nodes, at) in enumerate(places):
         if nodes.size < 3:
             continue
-        line = np.array([_straight(data, values, {**point, name: float(node)}) for node in data[name].values])
+        line = [_straight(values, [*places[:axis], (nodes, x), *places[axis + 1 :]]) for x in nodes]
         second = np.diff(np.diff(line) / np.diff(nodes)) / (nodes[2:] - nodes[:-2])
         k = int(np.clip(np.searchsorted(nodes, at), 1, nodes.size - 1))
         total += (at - nodes[k - 1]) * (nodes[k] - at) * float(np.max(np.abs(second[max(k - 2, 0) : k])))

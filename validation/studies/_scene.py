@@ -9,7 +9,9 @@ from pydantic import Field, ValidationError, model_validator
 
 from validation.arrays import Grid
 from validation.effects.base import SlotName, effect_key
+from validation.execution.measurement import Call
 from validation.execution.press import Press
+from validation.measurements.by_solver import beside_bem
 from validation.measurements.common import BASE_SOLID, base_case, merged_loads
 from validation.measurements.measurement import grids_for
 from validation.scenes.checks import check_scene
@@ -31,6 +33,10 @@ class SolverRequest:
     method: str
     settings: Settings
     grids: tuple[Grid, ...]
+
+    def beside_bem(self, problem: ContactProblem, grid: Grid, **how: Any) -> Call:
+        """Return its solve of a problem on a grid, beside boundary elements."""
+        return beside_bem(problem=problem, grid=grid, method=self.method, settings=self.settings, **how)
 
 
 class PressedOptions(SurfaceOptions):

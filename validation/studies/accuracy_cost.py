@@ -11,7 +11,6 @@ import xarray as xr
 from pydantic import Field
 
 from validation.arrays import Grid
-from validation.measurements.by_solver import beside_bem
 from validation.measurements.common import Ladder, RisingOrNone
 from validation.measurements.external_codes import (
     THIS_CODE,
@@ -102,8 +101,7 @@ def design(options: Options) -> dict[_Case, Call]:
         _singles(options), enumerate(options.pressed)
     ):
         share = _SOLVER_SHARE if part == "peers" else None
-        how = {"method": solver.method, "settings": solver.settings, "grid_share": share}
-        cases[part, label, k] = beside_bem(problem=problem, grid=grid, **how)
+        cases[part, label, k] = solver.beside_bem(problem, grid, grid_share=share)
     return cases
 
 

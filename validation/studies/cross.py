@@ -7,7 +7,6 @@ import numpy as np
 import xarray as xr
 from pydantic import Field, model_validator
 
-from validation.measurements.by_solver import beside_bem
 from validation.measurements.common import Rising, RisingOrNone
 from validation.report.estimates import derive, each, mean, power_law, reduce
 from validation.report.views import Figure, Table, Views, against, finding, note
@@ -67,8 +66,8 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     Differences (leg, points_per_wave, surface), their means, and the order in dx of that of the pressure.
     """
     cases = {
-        (leg.name, options.first.points_per_wave(grid), k): beside_bem(
-            problem=problem, grid=grid, method=leg.method, settings=leg.settings, effects=options.effects
+        (leg.name, options.first.points_per_wave(grid), k): leg.beside_bem(
+            problem, grid, effects=options.effects
         )
         for leg in _legs(options)
         for grid in leg.grids

@@ -9,7 +9,6 @@ import numpy as np
 import xarray as xr
 from pydantic import Field, model_validator
 
-from validation.measurements.by_solver import beside_bem
 from validation.measurements.common import SHIFTS, Ladder, RisingOrNone
 from validation.measurements.convergence import Ladders, spectral_errors
 from validation.measurements.grid_roughness import down_to_grid, grid_roughness
@@ -141,15 +140,10 @@ def design(options: Options) -> dict[_Case, Call]:
         fine = grids_for(wide, _CONVERGED)
         cases["converged", hurst, k] = press_on_grids(problem=wide, grids=fine, shifts=options.shifts)
     for solver, (k, problem) in itertools.product(options.beside, enumerate(pressed)):
+        layer = True if solver.name in options.blocks else None
         for g, grid in enumerate(solver.grids):
-            cases["other", solver.name, k, g] = beside_bem(
-                problem=problem,
-                grid=grid,
-                method=solver.method,
-                settings=solver.settings,
-                effects=options.effects,
-                layer=True if solver.name in options.blocks else None,
-            )
+            case = solver.beside_bem(problem, grid, effects=options.effects, layer=layer)
+            cases["other", solver.name, k, g] = case
     for element in options.blocks:
         block = cases["other", element, 0, 0]
         cases["strict", element] = block.but(settings=(*block["settings"], ("tolerance", _STRICT)))
