@@ -169,11 +169,14 @@ class StudyOptions(Table):
         return self._with_methods(tuple(n for n in getattr(self, "methods", ()) if n == "bem" or n in left))
 
     def _with_methods(self, names: tuple[str, ...]) -> typing.Self | None:
-        given = {name: getattr(self, name) for name in self.model_fields_set}
+        return self._with(self.model_fields_set, methods=names)
+
+    def _with(self, names: Iterable[str], **changed: Any) -> typing.Self | None:
+        """Return what was given of some options, and others; None where nothing is left of the question."""
         try:
-            return self.model_validate({**given, "methods": names})
+            return self.model_validate({name: getattr(self, name) for name in names} | changed)
         except ValidationError:
-            return None  # nothing is left of the question
+            return None
 
     def record(self) -> dict[str, Any]:
         """Return what was asked, as JSON-ready data."""

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, ClassVar, Self
 
-from pydantic import Field, ValidationError, model_validator
+from pydantic import Field, model_validator
 
 from validation.arrays import Grid
 from validation.effects.base import SlotName, effect_key
@@ -25,7 +25,7 @@ from validation.studies._options import Bandwidth, Periods, SurfaceOptions, Surf
 from validation.units import wrong
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class SolverRequest:
     """A solver as it was named: a method, or a function of the user's, of the name of a method."""
 
@@ -65,7 +65,14 @@ class PressedOptions(SurfaceOptions):
             return data
         if isinstance(scene, str):
             scene = load_scene(scene)
-        cls._check(scene)
+        if scene.methods.options("bem") is None:
+            raise wrong(
+                f"scene {scene.name!r}: methods.bem: missing; this study presses by boundary elements"
+            )
+        for k, effect in enumerate(scene.effects):
+            if effect.slot not in cls.slots:
+                key = f"{effect_key(k, 'kind')} = {effect.kind!r}"
+                raise wrong(f"scene {scene.name!r}: {key}: not in this study: {cls.plain}")
         first = replace(realise(scene), drawn=True)
         scene = cls._on_grids(scene, first, data)
         check_scene(scene, first)
@@ -94,17 +101,6 @@ class PressedOptions(SurfaceOptions):
             grids = grids_for(first, values)
         table = methods.options("bem").model_copy(update={"grids": grids})
         return scene.model_copy(update={"methods": methods.model_copy(update={"bem": table})})
-
-    @classmethod
-    def _check(cls, scene: Scene) -> None:
-        where = f"scene {scene.name!r}"
-        if scene.methods.options("bem") is None:
-            raise wrong(f"{where}: methods.bem: missing; this study presses by boundary elements")
-        for k, effect in enumerate(scene.effects):
-            if effect.slot not in cls.slots:
-                raise wrong(
-                    f"{where}: {effect_key(k, 'kind')} = {effect.kind!r}: not in this study: {cls.plain}"
-                )
 
     @classmethod
     def taken(cls, scene: Scene, first: ContactProblem) -> dict[str, Any]:
@@ -188,8 +184,8 @@ class PressedOptions(SurfaceOptions):
         self, element: str, per_wave: Sequence[float], *, method: str = "reduced", name: str = ""
     ) -> SolverRequest:
         """Return a block of finite elements one period deep, with so many points per wave."""
-        settings, grids = (("method", method), ("element", element)), grids_for(self.first, per_wave)
-        return SolverRequest(name=name or element, method="fem", settings=settings, grids=grids)
+        settings = (("method", method), ("element", element))
+        return SolverRequest(name or element, "fem", settings, grids_for(self.first, per_wave))
 
     def others(
         self, per_wave: Sequence[float], *, without: Sequence[str] | None = None
@@ -208,8 +204,7 @@ class PressedOptions(SurfaceOptions):
             tables = {n: scene.methods.options(n) for n in solvers}
             rows = [(getattr(tables[n], "solver", n), n, s.settings(tables[n])) for n, s in solvers.items()]
         return tuple(
-            SolverRequest(name=n, method=by, settings=settings, grids=self.grids_for(per_wave, of=by))
-            for n, by, settings in rows
+            SolverRequest(n, by, settings, self.grids_for(per_wave, of=by)) for n, by, settings in rows
         )
 
     def _with_methods(self, names: tuple[str, ...]) -> Self | None:
@@ -221,11 +216,7 @@ class PressedOptions(SurfaceOptions):
         said = {*self.taken(self.scene, self.first), "scene"} - {"surfaces", "reduced_pressures"}
         if isinstance(self.scene.surface, FileSurface):
             said |= {"surfaces"}
-        given = {name: getattr(self, name) for name in self.model_fields_set - said}
-        try:
-            return self.model_validate({**given, "scene": fewer})
-        except ValidationError:
-            return None
+        return self._with(self.model_fields_set - said, scene=fewer)
 
     def tolerance(self, usual: float) -> float:
         """Return the tolerance of boundary elements: that of the scene where it says one."""

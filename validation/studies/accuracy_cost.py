@@ -77,9 +77,8 @@ def _singles(options: Options) -> Iterator[tuple[str, str, SolverRequest, Grid]]
         block = options.block(element, options.fem_points_per_wave, name=f"FEM {element}")
         solvers.append(("FEM", block))
     for code in options.peers:
-        method, settings = asked_of(code)
         grids = grids_for(options.first, options.peer_points_per_wave)
-        solvers.append(("peers", SolverRequest(name=code, method=method, settings=settings, grids=grids)))
+        solvers.append(("peers", SolverRequest(code, *asked_of(code), grids)))
     for solver in options.others(options.method_points_per_wave):
         settings = tuple({"tolerance": _TOLERANCE, **dict(solver.settings)}.items())
         solvers.append(("others", replace(solver, settings=settings)))

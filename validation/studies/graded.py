@@ -66,10 +66,13 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
         coords={"reduced_wave": q, "modulus_ratio": ratios},
         attrs={"methods": "theory", "poisson": options.poisson},
     )
-    of = {name: f"felt_ratio_{name}" for name in ("profile", "coating")}
-    of["mild"] = "felt_ratio_profile.where(grading < 1)"
     worst = "({0} - 1).isel(reduced_wave=abs({0} - 1).fillna(0).argmax('reduced_wave'))"
-    return derive(data, **{f"felt_error_{name}": worst.format(felt) for name, felt in of.items()})
+    return derive(
+        data,
+        felt_error_profile=worst.format("felt_ratio_profile"),
+        felt_error_coating=worst.format("felt_ratio_coating"),
+        felt_error_mild=worst.format("felt_ratio_profile.where(grading < 1)"),
+    )
 
 
 def _profile(ratio: float, options: Options, q: Array) -> Array:

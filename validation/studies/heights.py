@@ -111,34 +111,37 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     load) of the two spectra at the same p0, and Persson's told each gradient.
     """
     middles = (HEIGHT_EDGES[1:] + HEIGHT_EDGES[:-1]) / 2
-    measured = {place: stored_variables(result) for place, result in solved(bench, _cases(options)).items()}
+    measured = solved(bench, _cases(options))
     samples, spectra = (
-        gather({at[1:]: d for at, d in measured.items() if at[0] == dim}, dim, "surface")
+        gather({at[1:]: stored_variables(d) for at, d in measured.items() if at[0] == dim}, dim, "surface")
         for dim in ("sample", "spectrum")
     )
     pressed = ["area_each", "rms_height_each", "rms_gradient_each"]
     spectra = spectra[[*pressed, "solve"]].rename(solve="solve_spectra")
-    data = samples.drop_vars([*pressed, "sample"]).merge(spectra)
-    data = data.assign_coords(
-        periods=("sample", list(options.periods)),
-        height=("bin", middles),
-        reduced_pressure=("load", list(options.reduced_pressures)),
+    data = (
+        samples.drop_vars([*pressed, "sample"])
+        .merge(spectra)
+        .assign_coords(
+            periods=("sample", list(options.periods)),
+            height=("bin", middles),
+            reduced_pressure=("load", list(options.reduced_pressures)),
+        )
     )
     data["height_density_gaussian"] = ("bin", height_distribution(middles, rms_height=1.0))
     # p0 is that of the first spectrum's own surface: p* of the other is less by the ratio of gradients.
     first, change = "rms_gradient_each.isel(spectrum=0)", "{0}.isel(spectrum=1) / {0}.isel(spectrum=0) - 1"
+    changes = {
+        "area": "area_change",
+        "area_persson": "area_change_persson",
+        "rms_height": "rms_height_change",
+        "rms_gradient": "rms_gradient_change",
+    }
     data = derive(
         data,
         area_persson_each=f"erf(2**.5 * reduced_pressure * {first} / rms_gradient_each)",
-        area_change_each=change.format("area_each"),
-        area_change_persson_each=change.format("area_persson_each"),
-        rms_height_change_each=change.format("rms_height_each"),
-        rms_gradient_change_each=change.format("rms_gradient_each"),
+        **{f"{of}_each": change.format(f"{name}_each") for name, of in changes.items()},
     )
-    changes = ("area_change", "area_change_persson", "rms_height_change", "rms_gradient_change")
-    data = mean(
-        data, "height_density", *_DEVIATIONS, "area", "area_persson", "rms_height", "rms_gradient", *changes
-    )
+    data = mean(data, "height_density", *_DEVIATIONS, *changes, *changes.values())
     data = derive(data, area_change_share="2 * area_change / rms_height_change")
     absent = {"solver": "nothing is solved", "depth": "nothing is pressed", "theory": "it is measured"}
     data = claim(claim(data, *_DEVIATIONS, **absent), "area_change", **ABSENT)

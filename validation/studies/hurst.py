@@ -113,10 +113,10 @@ _Case = tuple[Any, ...]
 def design(options: Options) -> dict[_Case, Call]:
     """Return the solves: every spectrum's pairs, and those of the ladders."""
     cases: dict[_Case, Call] = {}
+    how: Any = (options.reduced_pressures, options.points_per_wave)
     for (family, hurst), bandwidth in options.spectra.items():
         surface = options.self_affine(hurst=hurst, bandwidth=bandwidth)
-        loads, count = options.reduced_pressures, {"pairs": options.pairs, "shifts": options.shifts}
-        solves = pressed_pairs(surface, loads, options.points_per_wave, **count)
+        solves = pressed_pairs(surface, *how, pairs=options.pairs, shifts=options.shifts)
         cases |= {(family, hurst, k): solve for k, solve in enumerate(solves)}
     if options.others:
         cases |= _by_solver(options)
@@ -126,10 +126,10 @@ def design(options: Options) -> dict[_Case, Call]:
 def _by_solver(options: Options) -> dict[_Case, Call]:
     """Return what several solvers press: "solver", its name, H, surface, and points per wave but of boundary elements."""
     cases: dict[_Case, Call] = {}
-    loads, count = (options.method_reduced_pressure,), {"pairs": options.method_pairs}
+    how: Any = ((options.method_reduced_pressure,), options.points_per_wave)
     for hurst in sorted(set(options.hursts)):
         surface = options.self_affine(hurst=hurst, bandwidth=options.method_bandwidth)
-        solves = pressed_pairs(surface, loads, options.points_per_wave, shifts=options.shifts, **count)
+        solves = pressed_pairs(surface, *how, pairs=options.method_pairs, shifts=options.shifts)
         cases |= {("solver", "bem", hurst, k): solve for k, solve in enumerate(solves)}
         for name, (k, solve), n in itertools.product(
             options.others, enumerate(solves), options.method_points_per_wave
@@ -153,8 +153,8 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     """
     cases = design(options)
     measured = solved(bench, cases)
-    data = _of_spectra(options, cases, measured)
-    data = claim_shares(data, "kappa", solver=TOLERANCES_LEFT * next(iter(cases.values()))["tolerance"])
+    left = TOLERANCES_LEFT * next(iter(cases.values()))["tolerance"]
+    data = claim_shares(_of_spectra(options, cases, measured), "kappa", solver=left)
     if options.others:
         data = data.merge(_of_solvers(options, cases, measured), combine_attrs="override")
     if options.climbed:
@@ -172,11 +172,10 @@ def _of_spectra(options: Options, cases: Mapping[_Case, Call], measured: Measure
     parts, surfaces = {}, range(2 * options.pairs)
     for (family, hurst), bandwidth in options.spectra.items():
         part = gather({k: limits_of(measured[family, hurst, k]) for k in surfaces}, "surface")
-        spectrum = cases[family, hurst, 0]["problem"].spectrum
-        loads, gradients = part.reduced_pressure.values, part.rms_gradient_each.values
-        ensemble = ensemble_area(spectrum, loads, rms_gradients=gradients)
-        added = {"bandwidth": bandwidth, "area_ensemble_each": (("surface", "load"), ensemble)}
-        parts[family, hurst] = part.assign(added)
+        spectrum, gradients = cases[family, hurst, 0]["problem"].spectrum, part.rms_gradient_each.values
+        ensemble = ensemble_area(spectrum, part.reduced_pressure.values, rms_gradients=gradients)
+        part["area_ensemble_each"] = ("surface", "load"), ensemble
+        parts[family, hurst] = part.assign(bandwidth=bandwidth)
     data = with_variants(gather(parts, "family", "hurst"))
     of_surfaces = ("", "_pixel", "_perimeter", "_ensemble")
     data = derive(
@@ -190,10 +189,9 @@ def _of_spectra(options: Options, cases: Mapping[_Case, Call], measured: Measure
     means = ("kappa_ratio", "kappa_excess", "kappa_change", "nayak")
     data = mean(data, *(f"kappa{what}" for what in of_surfaces), *means, pairs=True)
     # Without its errors: a spread has no interval that those of its ends would tell.
-    bare = data[["kappa", "kappa_pixel"]].isel(family=0, drop=True)
-    spread = "{0}.max(['hurst', 'load']) / {0}.min(['hurst', 'load']) - 1"
-    spreads = {f"{name}_spread": spread.format(name) for name in ("kappa", "kappa_pixel")}
-    return data.assign(derive(bare, **spreads)[[*spreads]])
+    names, over = ["kappa", "kappa_pixel"], "(['hurst', 'load'])"
+    spreads = {f"{name}_spread": f"{name}.max{over} / {name}.min{over} - 1" for name in names}
+    return data.assign(derive(data[names].isel(family=0, drop=True), **spreads)[[*spreads]])
 
 
 def _of_solvers(options: Options, cases: Mapping[_Case, Call], measured: Measured) -> xr.Dataset:

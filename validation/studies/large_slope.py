@@ -4,11 +4,9 @@ The same surface is made steeper at one reduced load p* = p0/(E* h'_rms), so tha
 of them; a neo-Hookean block of finite strain, met by the rough surface where its nodes are, says what is left out.
 """
 
-from __future__ import annotations
-
 import itertools
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import numpy as np
 import xarray as xr
@@ -26,10 +24,6 @@ from validation.scenes.problem import ContactProblem
 from validation.scenes.tables import SolidSpec
 from validation.studies._options import Bandwidth, Periods, SurfaceOptions, Surfaces
 from validation.studies._study import Bench, gathered, measurement, read_off
-
-if TYPE_CHECKING:
-    from fem_contact.block import FiniteStrain
-
 
 #: Relative differences whose slopes are looked for, and the slope up to which differences count as going with it.
 DIFFERENCES, STRAIGHT = (0.01, 0.05), 0.4
@@ -63,8 +57,10 @@ def steepened(
     with one_blas_thread():
         linear = block.solve(field, solid, mean_pressure=pressure, **mesh).contact.checked()
         try:
-            steeper = block.solve_slopes(field, solid, mean_pressure=pressure, slopes=slopes, **mesh)
-            steps.extend(map(_read_off, steeper))  # what came before an error counts
+            for steeper in block.solve_slopes(field, solid, mean_pressure=pressure, slopes=slopes, **mesh):
+                square = float(np.mean(steeper.shares * steeper.pressure**2)) / steeper.mean_pressure**2
+                read = {name: getattr(steeper, name) for name in _NAMES if name != "square_pressure"}
+                steps.append(read | {"square_pressure": square})  # what came before an error counts
         except NotConverged as error:
             ended = str(error)
     steps += [dict.fromkeys(_NAMES, np.nan)] * (len(slopes) - len(steps))
@@ -80,11 +76,6 @@ def steepened(
 
 
 _NAMES = ("area", "material_area", "true_area", "square_pressure", "residual", "sideways")
-
-
-def _read_off(block: FiniteStrain) -> dict[str, float]:
-    square = float(np.mean(block.shares * block.pressure**2)) / block.mean_pressure**2
-    return {name: square if name == "square_pressure" else getattr(block, name) for name in _NAMES}
 
 
 #: Changes against the linear block, and the ratios of a measurement whose distances from 1 they are.

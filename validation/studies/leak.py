@@ -31,6 +31,7 @@ from validation.studies._study import ABSENT, Bench, gathered
 
 #: A/A0 of the tire rim as the paper prints it (Sec. 8.3), which it compares with its threshold.
 _RIM = 0.44
+
 #: Areas whose distributions of gaps are drawn, at most.
 _DRAWN = 4
 
@@ -89,10 +90,8 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
 def views(data: xr.Dataset) -> Views:
     """Conductance over the area, the thresholds, and the distribution of gaps."""
     widest = {"bandwidth": data.sizes["bandwidth"] - 1}
-    gaps = [
-        Line("gap_density", at=widest, steps=True),
-        *(Line(f"gap_density_{n}", at=widest) for n in GAP_THEORIES),
-    ]
+    gaps = [Line("gap_density", at=widest, steps=True)]
+    gaps += [Line(f"gap_density_{name}", at=widest) for name in GAP_THEORIES]
     panels = panels_along(data, "asked", against("local_gap", *gaps, log="y", bottom=3e-3, top=3.0))
     thresholds = ("percolation_area", Level("percolation_area_paper"))
     conductances = ("gap_conductance", "gap_conductance_bruggeman", "gap_conductance_ratio")

@@ -61,16 +61,17 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
         "magnifications": options.magnifications,
         "bends": tuple((p, zeta) for p, zeta in bends.items() if np.isfinite(zeta)),
     }
-    finer: dict[Any, Call] = {"finer": magnified(problem=first, grid=grid_for(first, 2 * points), **asked)}
+    cases: dict[Any, Call] = {"finer": magnified(problem=first, grid=grid_for(first, 2 * points), **asked)}
     asked |= {"grid": grid_for(first, points), "percolating": options.percolating}
-    cases = {k: magnified(problem=first.further(k), **asked) for k in range(options.surfaces)}
-    loads: dict[str, Any] = {"reduced_pressure": ("load", list(options.reduced_pressures))}
-    measured = {k: stored_variables(d) for k, d in solved(bench, {**cases, **finer}).items()}
-    on_finer = {0: measured.pop("finer")}
-    zetas = ("load", [*bends.values()])
+    cases |= {k: magnified(problem=first.further(k), **asked) for k in range(options.surfaces)}
+    measured = {k: stored_variables(d) for k, d in solved(bench, cases).items()}
+    finer = {0: measured.pop("finer")}
+    loads, zetas = ("load", list(options.reduced_pressures)), ("load", [*bends.values()])
     data, coarse, fine = (
-        _of_surfaces(gather(some, "surface").assign_coords(loads).assign(macro_magnification=zetas))
-        for some in (measured, {0: measured[0]}, on_finer)
+        _of_surfaces(
+            gather(some, "surface").assign_coords(reduced_pressure=loads).assign(macro_magnification=zetas)
+        )
+        for some in (measured, {0: measured[0]}, finer)
     )
     data = data.assign_coords(
         magnification=list(options.magnifications),

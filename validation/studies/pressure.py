@@ -82,7 +82,7 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     light = np.flatnonzero(data.area.values < _LIGHT)
     if light.size > 1:
         data = derive(data, kappa_each="area_each / reduced_pressure")
-        first, last = int(light[0]), int(light[-1])
+        first, last = map(int, light[[0, -1]])
         for name in ("kappa", "area"):
             data = change(data, name, along="load", first=first, last=last)
         for name in ("patches", "patch_size"):  # of which one surface may have few
@@ -90,7 +90,7 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
             ratio = ratio_of_means(end, start, "surface")
             data = derive(data, **{f"{name}_change_each": f"{ratio} - 1"})
         data = mean(data, *(f"{name}_change" for name in ("kappa", "area", "patches", "patch_size")))
-        data.attrs |= {"light": light[[0, -1]]}
+        data.attrs["light"] = light[[0, -1]]
     data = pooled_shares(moved_shares(data)).assign_attrs(methods=RANKED)
     shares = stress_shares(theories[0], options.first, options.reduced_pressures)
     moved = largest_difference(shares, shares[data.attrs["reference_load"]])
@@ -105,20 +105,20 @@ def picked_loads(data: xr.Dataset) -> list[int]:
 
 def views(data: xr.Dataset) -> Views:
     """Everything against load, beside the theory; and how far distributions move."""
-    first = data.isel(theory=0)
     columns: list[str | Column] = ["reduced_pressure", "area", "kappa", "area_persson", "area_ensemble"]
-    for name in ("gap", "compliance", "energy_ratio"):
+    for name in COMPARED[1:]:
         columns += [name, Column(f"{name}_predicted", {"theory": 0})]
     columns += ["patches", "patch_size", *(f"moved_{name}" for name in SHARES)]
     return Views(
         table=Table(("load",), tuple(columns)),
-        budget=("area", "gap", "compliance", "energy_ratio"),
+        budget=COMPARED,
         figures=_figures(data),
-        findings=[*_findings(data, first.isel(load=picked_loads(data))), modes_finding(data)],
+        findings=[*_findings(data), modes_finding(data)],
     )
 
 
-def _findings(data: xr.Dataset, some: xr.Dataset) -> Findings:
+def _findings(data: xr.Dataset) -> Findings:
+    some = data.isel(theory=0, load=picked_loads(data))
     form = "The contact area is {each} (lambda_long/lambda_short = {bandwidth})."
     item = "{verdict} Persson's, {area_excess:+%}, at A/A0 = {area:~}"
     yield finding("comparison", form, some, item=item, by="area_excess")

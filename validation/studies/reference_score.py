@@ -1,12 +1,11 @@
 """How far is a theory, or somebody's numbers, from the computed areas of the reference table, cell by cell?"""
 
-from __future__ import annotations
-
 import csv
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 import numpy as np
+import xarray as xr
 
 from validation import reference
 from validation.arrays import Array
@@ -17,12 +16,8 @@ from validation.reference.theory import lowest_wave, table_spectrum
 from validation.report.estimates import derive, total_error
 from validation.report.views import Figure, Findings, Image, Table, Views, against, finding, panels_along
 from validation.studies._options import StudyOptions
+from validation.studies._study import Bench
 from validation.theories import Rough, Theory, find_theory
-
-if TYPE_CHECKING:
-    import xarray as xr
-
-    from validation.execution.bench import Bench
 
 #: E* [Pa], and smallest wavevector [1/m] and rms slope of the surfaces: no dimensionless area depends on them.
 _MODULUS, _Q_LONG, _SLOPE = 1e9, 2 * np.pi / 1e-4, 0.1
@@ -49,25 +44,22 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     """
     data = reference.table(options.rolloff).sel(amplitudes="exact", drop=True)[["area", "area_error"]]
     theories = [find_theory(name) for name in options.theory]
-    scored = {theory.label: _areas(theory, data) for theory in theories}
-    errors = {label: np.zeros(areas.shape) for label, areas in scored.items()}
+    scored = {theory.label: (_areas(theory, data), np.zeros(data.area.shape)) for theory in theories}
     if options.csv is not None:
-        scored[options.csv.name], errors[options.csv.name] = _read(options.csv, data)
+        scored[options.csv.name] = _read(options.csv, data)
     if not scored:
         raise UsageError("study reference-score: nothing to score; name a theory or a csv")
-    if silent := [label for label, areas in scored.items() if not np.isfinite(areas).any()]:
+    if silent := [label for label, (areas, _) in scored.items() if not np.isfinite(areas).any()]:
         raise UsageError(f"study reference-score: {silent[0]} says nothing on any cell of the table")
-    over = ("theory", *_CELL)
-    data = data.assign(
-        area_scored=(over, np.array([*scored.values()]), {"reduction": "theory"}),
-        area_scored_interval=(over, np.array([*errors.values()])),
-    ).assign_coords(theory=[*scored])
-    data = derive(data.transpose("theory", *_CELL, "source"), theory_excess="area_scored / area - 1")
+    (areas, halves), over = map(np.array, zip(*scored.values(), strict=True)), ("theory", *_CELL)
+    data["area_scored"] = over, areas, {"reduction": "theory"}
+    data = data.assign_coords(theory=[*scored]).transpose("theory", *_CELL, "source")
     table_error = total_error(data, "area")
     assert table_error is not None  # the shipped table has it
-    both = (table_error**2 + data.area_scored_interval**2) ** 0.5
+    both = (table_error**2 + xr.DataArray(halves, dims=over) ** 2) ** 0.5
     z_score = (data.area_scored - data.area) / (both / 1.96)
-    return data.assign(z_score=z_score.transpose(*over)).drop_vars("area_scored_interval")
+    data = derive(data, theory_excess="area_scored / area - 1")
+    return data.assign(z_score=z_score.transpose(*over))
 
 
 def views(data: xr.Dataset) -> Views:
@@ -138,8 +130,7 @@ def _read(path: Path, data: xr.Dataset) -> tuple[Array, Array]:
             half = float(row.get("area_error") or 0.0)
         except (TypeError, ValueError):
             raise UsageError(f"--csv {path}: line {number}: holds what is no number") from None
-        nodes = [data[name].values for name in _CELL]
-        near = [np.isclose(known, value, rtol=1e-6) for known, value in zip(nodes, values, strict=False)]
+        near = [np.isclose(data[name], at, rtol=1e-6) for name, at in zip(_CELL, values, strict=False)]
         if not all(map(np.any, near)):
             known = "; ".join(f"{name}: {', '.join(f'{v:g}' for v in data[name].values)}" for name in _CELL)
             raise UsageError(f"--csv {path}: line {number}: no cell of the table, which has {known}")

@@ -92,10 +92,9 @@ def limits(data: xr.Dataset) -> xr.Dataset:
         initial_slope_gap_each="initial_slope_window_each - initial_slope_contour_each",
         initial_slope_excess_each="initial_slope_window_each / initial_slope_persson - 1",
     )
+    data = data.assign(small_density=data.small_density_each.mean("surface")).drop_vars("small_density_each")
     names = [str(name).removesuffix("_each") for name in data.data_vars if str(name).endswith("_each")]
-    data = mean(data, *(name for name in names if name != "small_density"))
-    data["small_density"] = data.small_density_each.mean("surface")
-    data = data.drop_vars("small_density_each")
+    data = mean(data, *names)
     data = power_law(data, "decay", of="density_at_zero", x="spacing", along=("grid",))
     lines = {f"small_density_{way}": data[f"initial_slope_{way}"] * data.stress for way in _WAYS}
     return data.assign({name: line.drop_attrs() for name, line in lines.items()})
@@ -159,10 +158,9 @@ def _figures(data: xr.Dataset, m: int) -> Iterator[Figure]:
         f"at dx to 0 and that of the theory.{method}",
         [against("stress", *densities, *slopes, at=at, bottom=0.0, top=top)],
     )
-    limit = "root_spacing_limit"
-    ways = [Line(f"{way}_slope") for way in ("window", "contour")]
+    limit, theory = "root_spacing_limit", Level("initial_slope_persson")
+    ways = [Line("window_slope"), Line("contour_slope")]
     ways += [Line(f"initial_slope_{way}", x=limit, look={"mfc": "white"}) for way in ("window", "contour")]
-    theory = Level("initial_slope_persson")
     yield Figure(
         f"slope-at-zero{ending}",
         "Slope of P(sigma) at zero on each grid, from the density in a closing window and from the contour; at "

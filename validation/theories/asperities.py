@@ -32,10 +32,7 @@ class CarboneBottiglione(Theory):
 
     name = "carbone-bottiglione"
     label = "Carbone, Bottiglione 2008"
-    papers = (
-        "[carbone2008].",
-        "[bush1975].",
-    )
+    papers = ("[carbone2008].", "[bush1975].")
 
     def _table(self, rough: Rough) -> tuple[Array, Array, Array]:
         """Return separations that fall, and the pressures and areas that they lead to."""
