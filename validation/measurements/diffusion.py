@@ -130,8 +130,16 @@ def with_diffusion_terms(data: xr.Dataset) -> xr.Dataset:
 
 
 def _terms(data: xr.Dataset) -> xr.Dataset:
-    data = _with_memory(_with_restarts(_with_area_budget(_with_square_budget(data))))
-    return _with_profiles(_with_flows(data))
+    for add in (
+        _with_square_budget,
+        _with_area_budget,
+        _with_restarts,
+        _with_memory,
+        _with_flows,
+        _with_profiles,
+    ):
+        data = add(data)
+    return data
 
 
 def _without_finest(data: xr.Dataset, coarse_areas: list[str]) -> xr.Dataset:
@@ -144,17 +152,21 @@ def _without_finest(data: xr.Dataset, coarse_areas: list[str]) -> xr.Dataset:
     return data.drop_vars(coarse_areas)
 
 
-def _late(data: xr.Dataset) -> dict[str, list[int]]:
-    return {"octave": [int(k) for k in np.flatnonzero(data.octave_start.values >= _LATE)] or [-1]}
+def _late(values: xr.DataArray, data: xr.Dataset) -> xr.DataArray:
+    """Mean over the octaves of short waves, or of the last."""
+    late = data.octave_start.values >= _LATE
+    return values.isel(octave=np.flatnonzero(late) if late.any() else [-1]).mean("octave")
 
 
-def _log(values: xr.DataArray) -> xr.DataArray:
-    return values.copy(data=np.log(values.values))
-
-
-def _ends(data: xr.Dataset, name: str) -> tuple[xr.DataArray, xr.DataArray]:
-    values = data[name].rename(level="step")
+def _ends(values: xr.DataArray) -> tuple[xr.DataArray, xr.DataArray]:
+    values = values.rename(level="step")
     return values.isel(step=slice(0, -1)), values.isel(step=slice(1, None))
+
+
+def _both_signs(data: xr.Dataset) -> tuple[xr.DataArray, xr.DataArray]:
+    """Areas before each ring, and after it: means over both of its signs."""
+    (before, after), negative = _ends(data.area_each), _ends(data.area_negative_each)[1]
+    return before, (after + negative) / 2
 
 
 def _by_octave(data: xr.Dataset, values: xr.DataArray) -> xr.DataArray:
@@ -178,52 +190,41 @@ def _with_square_budget(data: xr.Dataset) -> xr.Dataset:
     ``square_told_each`` is what D and mu make of it when they are functions of the pressure alone,
     ``square_growth_path_each`` the change without the negative rings.
     """
-    before, after = (part.isel(grid=-1) for part in _ends(data, "variance_share_each"))
-    area = _ends(data, "area_each")[0]
-    later = (_ends(data, "area_each")[1] + _ends(data, "area_negative_each")[1]) / 2
-    unit = _by_octave(data, 0.5 * (area + later) * (after - before))
+    before, after = (part.isel(grid=-1) for part in _ends(data.variance_share_each))
+    unit = _by_octave(data, 0.5 * sum(_both_signs(data)) * (after - before))
 
     def over_unit(values: xr.DataArray) -> xr.DataArray:
-        return _by_octave(data, values * before) / unit
-
-    def limit(name: str) -> xr.DataArray:
-        return two_grid_limit(data[f"{name}_each"], data.grid_spacing)
+        return _by_octave(data, two_grid_limit(values, data.grid_spacing) * before) / unit
 
     points = data.bin_contact_each.where(data.bin_contact_each > 0)
     crossed = (data.bin_pressure_each * data.bin_change_each / points).sum("bin")
     pressure_terms = data.bin_change_square_each.sum("bin") + 2 * crossed + data.square_entered_each
-    total = two_grid_limit(data.mean_square_each * data.variance_share_each, data.grid_spacing)
-    first, last = _ends(data.assign(total=total), "total")
+    first, last = _ends(two_grid_limit(data.mean_square_each * data.variance_share_each, data.grid_spacing))
     data = _added(
         data,
-        square_growth_each=over_unit(limit("square_change")),
-        square_diffusion_each=over_unit(limit("pressure_change_square")),
-        square_drift_each=over_unit(2 * limit("pressure_cross_change")),
-        square_reentry_each=over_unit(limit("square_entered")),
-        square_told_each=over_unit(two_grid_limit(pressure_terms, data.grid_spacing)),
+        square_growth_each=over_unit(data.square_change_each),
+        square_diffusion_each=over_unit(data.pressure_change_square_each),
+        square_drift_each=over_unit(2 * data.pressure_cross_change_each),
+        square_reentry_each=over_unit(data.square_entered_each),
+        square_told_each=over_unit(pressure_terms),
         square_growth_path_each=_by_octave(data, last - first) / unit,
     )
-    late = {
-        f"{name}_late_each": data[f"{name}_each"].isel(_late(data)).mean("octave") for name in SQUARE_TERMS
-    }
-    return derive(_added(data, **late), square_difference_each="square_growth_path_each - square_growth_each")
+    data = _added(data, **{f"{name}_late_each": _late(data[f"{name}_each"], data) for name in SQUARE_TERMS})
+    return derive(data, square_difference_each="square_growth_path_each - square_growth_each")
 
 
 def _with_area_budget(data: xr.Dataset) -> xr.Dataset:
     finest = "nominal_each.isel(grid=-1) / sqrt(2 * variance_share_each.isel(grid=-1))"
-    data = derive(data, area_persson_each=f"erf({finest})")
-    data = derive(data, area_ratio_each="area_each / area_persson_each")
-    (before, after), areas = _ends(data, "variance_share_each"), _ends(data, "area_each")
-    theory = _ends(data, "area_persson_each")
-    steps = _by_octave(data, _log((after / before).isel(grid=-1)))
+    data = derive(data, area_persson_each=f"erf({finest})", area_ratio_each="area_each / area_persson_each")
+    (before, after), theory = _ends(data.variance_share_each.isel(grid=-1)), _ends(data.area_persson_each)
     net = two_grid_limit(data.area_entered_each - data.area_lost_each, data.grid_spacing)
-    both = (areas[1] + _ends(data, "area_negative_each")[1]) / 2
+    area, both = _both_signs(data)
     located, counted, persson = (
-        _by_octave(data, _log(ratio)) / steps
-        for ratio in (both / areas[0], 1 + net / areas[0], theory[1] / theory[0])
+        _by_octave(data, np.log(ratio)) / _by_octave(data, np.log(after / before))
+        for ratio in (both / area, 1 + net / area, theory[1] / theory[0])
     )
     partial = persson < TOUCHED
-    late = [part.where(partial).isel(_late(data)).mean("octave") for part in (located, persson)]
+    late = [_late(part.where(partial), data) for part in (located, persson)]
     return _added(
         data,
         area_exponent_each=located,
@@ -248,8 +249,8 @@ def _with_restarts(data: xr.Dataset) -> xr.Dataset:
     row = xr.DataArray(octaves, dims="octave")
     share = two_grid_limit(diffused / diffused.isel(octave=row, level=began), data.grid_spacing)
     ratio = (share / (area / area.isel(level=began))).transpose("octave", ...)
-    true = _log(area.isel(level=half) / area.isel(level=began))
-    faster = 1 + _log(ratio.isel(octave=row, level=half)) / true.where(true < -_NO_LOSS)
+    true = np.log(area.isel(level=half) / area.isel(level=began))
+    faster = 1 + np.log(ratio.isel(octave=row, level=half)) / true.where(true < -_NO_LOSS)
     return _added(
         data,
         area_ratio_end_each=data.area_ratio_each.isel(level=[*began.values[1:], -1]).rename(level="octave"),
@@ -261,15 +262,12 @@ def _with_restarts(data: xr.Dataset) -> xr.Dataset:
 
 def _with_memory(data: xr.Dataset) -> xr.Dataset:
     finest, before = data.isel(grid=-1), data.area_each.isel(level=slice(0, -2)).rename(level="pair")
-    true, composed = (
-        (finest[name] / before).mean("pair") for name in ("inflow_each", "inflow_composed_each")
-    )
+    out = finest.points_out_each.where(finest.points_out_each > 0)
     data = _added(
         data,
-        inflow_share_each=true,
-        inflow_share_composed_each=composed,
-        return_chance_each=finest.points_returned_each
-        / finest.points_out_each.where(finest.points_out_each > 0),
+        inflow_share_each=(finest.inflow_each / before).mean("pair"),
+        inflow_share_composed_each=(finest.inflow_composed_each / before).mean("pair"),
+        return_chance_each=finest.points_returned_each / out,
     )
     return derive(
         data,
@@ -283,11 +281,8 @@ def exponents(values: xr.DataArray, steps: xr.DataArray) -> xr.DataArray:
     """Exponent of a step between neighbouring ones, and over all of them (last): (..., pair)."""
     along, last = str(steps.dims[0]), steps.size - 1
     pairs = np.array([*itertools.pairwise(range(steps.size)), (0, last)]).T
-    start, end = (xr.DataArray(places, dims="step_pair") for places in pairs)
-    rise, length = (
-        _log(part.isel({along: end}) / part.isel({along: start}))
-        for part in (values.where(values > 0), steps)
-    )
+    start, end = ({along: xr.DataArray(places, dims="step_pair")} for places in pairs)
+    rise, length = (np.log(part.isel(end) / part.isel(start)) for part in (values.where(values > 0), steps))
     powers: xr.DataArray = (rise / length).drop_vars(str(steps.name), errors="ignore")
     return powers.transpose("step_pair", ...)
 
@@ -310,7 +305,7 @@ def _with_flows(data: xr.Dataset) -> xr.Dataset:
         for name, of in _FLOWS.items()
     }
     after = (data.area_probe_each + data.area_negative_probe_each).isel(probe_level=slice(1, None)) / 2
-    net = _log(after.rename(probe_level="variance_step") / area) / _log(1 + steps)
+    net = np.log(after.rename(probe_level="variance_step") / area) / np.log(1 + steps)
     powers = {name: exponents(flow, steps) for name, flow in flows.items()}
     data = _added(
         data,
@@ -330,36 +325,37 @@ def _with_flows(data: xr.Dataset) -> xr.Dataset:
 
 
 def _with_profiles(data: xr.Dataset) -> xr.Dataset:
-    at, steps = data.isel(probe_grid=-1), data.relative_step
-    pooled = at[[f"bin_{n}_probe_each" for n in ("contact", "pressure", "change", "change_square")]]
+    bins = ["contact", "pressure", "change", "change_square"]
+    pooled = data[[f"bin_{n}_probe_each" for n in bins]].isel(probe_grid=-1)
+    pooled = pooled.rename({f"bin_{n}_probe_each": n for n in bins})
+
+    def profile(sums: xr.Dataset, end: str) -> dict[str, xr.DataArray]:
+        steps = sums.contact.where(sums.contact > 0) * data.relative_step
+        return {f"mean_drift{end}": sums.change / steps, f"diffusivity{end}": sums.change_square / steps}
+
     sums = pooled.sum("probe_surface")
-    points = sums.bin_contact_probe_each.where(sums.bin_contact_probe_each > 0)
-    data = _added(
-        data,
-        bin_mean_pressure=sums.bin_pressure_probe_each / points,
-        mean_drift=sums.bin_change_probe_each / points / steps,
-        diffusivity=sums.bin_change_square_probe_each / points / steps,
-    )
+    mean_pressure = sums.pressure / sums.contact.where(sums.contact > 0)
+    data = _added(data, bin_mean_pressure=mean_pressure, **profile(sums, ""))
     lower = np.concatenate([[0.0], data.upper.values[:-1]])
     for name, (low, high) in (("away", _AWAY), ("edge", _EDGE)):
         keep = np.flatnonzero((lower >= low * (1 - 1e-9)) & (data.upper.values <= high * (1 + 1e-9)))
-        sums = pooled.isel(bin=keep).sum("bin")
-        points = sums.bin_contact_probe_each.where(sums.bin_contact_probe_each > 0) * steps
-        drift, spread = sums.bin_change_probe_each / points, sums.bin_change_square_probe_each / points
-        data = _added(data, **{f"mean_drift_{name}_each": drift, f"diffusivity_{name}_each": spread})
+        data = _added(data, **profile(pooled.isel(bin=keep).sum("bin"), f"_{name}_each"))
     return data
 
 
 def _with_slopes(data: xr.Dataset) -> xr.Dataset:
-    nominal = data.nominal_probe_each.isel(probe_grid=-1).mean("probe_surface")
-    load = data.reduced_pressure.values
     # p0 is 2 p* sqrt(V): the same on every surface, since p* counts in its own gradient.
-    persson = elastic.initial_slope(load, stress_variance=elastic.stress_variance(1.0, contact_modulus=1.0))
+    nominal = data.nominal_probe_each.isel(probe_grid=-1).mean("probe_surface")
     slope_at_zero = elastic.initial_slope(nominal.values.ravel(), stress_variance=1.0)
-    data = data.assign(nominal=nominal, own=0.5 * nominal.copy(data=np.reshape(slope_at_zero, nominal.shape)))
-    data["pressure_slope_persson"] = ("load", np.asarray(persson))
-    first = data.area_probe.isel(probe_level=0), data.area_probe_error.isel(probe_level=0)
-    data = data.assign(start=first[0], start_error=first[1])
+    variance = elastic.stress_variance(1.0, contact_modulus=1.0)
+    persson = elastic.initial_slope(data.reduced_pressure.values, stress_variance=variance)
+    data = data.assign(
+        nominal=nominal,
+        own=0.5 * nominal.copy(data=np.reshape(slope_at_zero, nominal.shape)),
+        pressure_slope_persson=("load", np.asarray(persson)),
+        start=data.area_probe.isel(probe_level=0),
+        start_error=data.area_probe_error.isel(probe_level=0),
+    )
     data = derive(
         claim(data, "pressure_slope", **ABSENT),
         slope_ratio="pressure_slope / pressure_slope_persson",

@@ -64,13 +64,8 @@ def _wave(points: int, *, rows: int = 4) -> HeightField:
 
 
 def _rough(points: int = 64, *, hurst: float = 0.8, gradient: float = 0.1, waves: int = 8) -> HeightField:
-    surface = random_surface(
-        lambda q: q ** (-2 - 2 * hurst),
-        q_short=waves * 2 * np.pi,
-        lengths=(1.0, 1.0),
-        shape=(points, points),
-        seed=41,
-    )
+    size: dict[str, Any] = {"q_short": waves * 2 * np.pi, "lengths": (1.0, 1.0), "shape": (points, points)}
+    surface = random_surface(lambda q: q ** (-2 - 2 * hurst), seed=41, **size)
     return _square(surface.heights * (gradient / surface.rms_gradient))
 
 
@@ -89,8 +84,8 @@ def _measured(result: ContactResult, error: float) -> Measured:
 _Press = Callable[[HeightField, float], ContactResult]
 
 
-def _bem(surface: HeightField, load: float) -> ContactResult:
-    return bem.solve(surface, _HALF_SPACE, mean_pressure=load, threads=1)
+def _bem(surface: HeightField, load: float, **more: Any) -> ContactResult:
+    return bem.solve(surface, _HALF_SPACE, mean_pressure=load, threads=1, **more)
 
 
 def _westergaard(press: _Press, load: float) -> Measured:
@@ -107,14 +102,7 @@ def _steepness(press: _Press, gradient: float) -> Measured:
 
 def _against_plain(press: _Press, surface: HeightField) -> Measured:
     result = press(surface, _LIGHT)
-    plain = bem.solve(
-        surface,
-        _HALF_SPACE,
-        mean_pressure=_LIGHT,
-        max_iterations=20_000,
-        method="polonsky-keer",
-        threads=1,
-    )
+    plain = _bem(surface, _LIGHT, max_iterations=20_000, method="polonsky-keer")
     return _measured(result, relative_distance(result.pressure, plain.pressure))
 
 
@@ -151,8 +139,7 @@ def _path(factor: float) -> Measured:
     loads = 1e-4 * factor ** np.arange(max(2, round(math.log(1e3) / math.log(factor)) + 1))
     results = bem.solve_path(_rough(), _HALF_SPACE, mean_pressures=[*loads, *loads[-2::-1]], threads=1)
     errors = [relative_distance(a.pressure, b.pressure) for a, b in zip(results, results[::-1], strict=True)]
-    failed = [result for result in results if result.status is not Status.CONVERGED]
-    worst = failed[0] if failed else max(results, key=lambda result: result.residuals.worst)
+    worst = max(results, key=lambda one: (one.status is not Status.CONVERGED, one.residuals.worst))
     return _measured(worst, max(errors))
 
 
@@ -224,18 +211,19 @@ def elastic_cases(method: str) -> tuple[HardCase, ...]:
 # ---- effects -------------------------------------------------------------------------------------
 
 
-def _hardness_errors(result: ContactResult, hardness: float) -> float:
+def _yielding(result: ContactResult, ratio: float, difference: float = 0.0) -> Measured:
     """By how much loads and bound are missed, relative to the load and the hardness."""
-    unloaded = yielded(result)
-    missed = abs(unloaded.elastic_load + unloaded.plastic_load - _LOAD) / _LOAD
-    missed = max(missed, abs(unloaded.plastic_load - hardness * unloaded.plastic_area) / _LOAD)
-    return max(missed, float(np.max(result.pressure)) / hardness - 1, 0.0)
+    unloaded, hardness = yielded(result), ratio * _LOAD
+    load = abs(unloaded.elastic_load + unloaded.plastic_load - _LOAD) / _LOAD
+    plastic = abs(unloaded.plastic_load - hardness * unloaded.plastic_area) / _LOAD
+    errors = [load, plastic, np.max(result.pressure) / hardness - 1, difference]
+    return _measured(result, float(np.max(errors)))
 
 
 def _hard(ratio: float) -> Measured:
     hardness = Hardness(pressure=ratio * _LOAD)
     result = press_yielding(_rough(), _HALF_SPACE, hardness=hardness, mean_pressure=_LOAD, threads=1)
-    return _measured(result, _hardness_errors(result, ratio * _LOAD))
+    return _yielding(result, ratio)
 
 
 def _yielding_block(ratio: float) -> Measured:
@@ -246,24 +234,15 @@ def _yielding_block(ratio: float) -> Measured:
         block.solve(_rough(16, waves=4), _SOLID, method=method, depth=0.3, growth=1.5, **options).contact
         for method in ("full", "reduced")
     )
-    difference = relative_distance(full.pressure, reduced.pressure)
-    return _measured(full, max(difference, _hardness_errors(full, ratio * _LOAD)))
+    return _yielding(full, ratio, relative_distance(full.pressure, reduced.pressure))
 
 
 def _yielding_under_adhesion(ratio: float) -> Measured:
     """Under a law of the gap as strong as the contact's own stresses."""
     work = 1e-4
     law = adhesion.Exponential(work=work, reach=math.sqrt(3 / 64 * work))
-    state = adhesion.solve(
-        _rough(),
-        _HALF_SPACE,
-        law=law,
-        hardness=ratio * _LOAD,
-        mean_pressure=_LOAD,
-        tolerance=1e-10,
-        threads=1,
-    )
-    return _measured(state.contact, _hardness_errors(state.contact, ratio * _LOAD))
+    options: dict[str, Any] = {"hardness": ratio * _LOAD, "mean_pressure": _LOAD, "tolerance": 1e-10}
+    return _yielding(adhesion.solve(_rough(), _HALF_SPACE, law=law, threads=1, **options).contact, ratio)
 
 
 def _sticky(maugis: float) -> Measured:
@@ -272,13 +251,9 @@ def _sticky(maugis: float) -> Measured:
     strength = maugis / 2 * (math.pi * work * stiffness**2 / radius) ** (1 / 3)
     x = (np.arange(points) - points // 2) * length / points
     heights = -(x[:, None] ** 2 + x[None, :] ** 2) / (2 * radius)
-    path = adhesion_path.follow(
-        HeightField(heights=heights, lengths=(length, length)),
-        _HALF_SPACE,
-        law=adhesion.Dugdale(work=work, reach=work / strength),
-        offsets=np.arange(-0.3, 1.0, 0.05) / radius,
-        threads=1,
-    )
+    ball = HeightField(heights=heights, lengths=(length, length))
+    law, offsets = adhesion.Dugdale(work=work, reach=work / strength), np.arange(-0.3, 1.0, 0.05) / radius
+    path = adhesion_path.follow(ball, _HALF_SPACE, law=law, offsets=offsets, threads=1)
     force = path.greatest_tension * length**2 / (math.pi * work * radius)
     return _measured(path.last.contact, abs(force / maugis_pull_off(maugis / 1.157) - 1))
 
