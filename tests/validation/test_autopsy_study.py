@@ -142,7 +142,7 @@ def test_diffusion_started_from_a_distribution_is_that_of_each_of_its_pressures(
     by_equation = sum(
         float(solve_diffusion([0.49], pressure=p).checked().area_elastic[0]) for p in pressure[1:]
     )
-    assert diffused_area(state, np.array([0.49]))[0] == pytest.approx(by_equation / 4, rel=1e-6)
+    assert diffused_area(state, 0.49) == pytest.approx(by_equation / 4, rel=1e-6)
 
 
 def test_persson_s_own_distribution_goes_on_as_if_nothing_had_happened():
@@ -152,7 +152,7 @@ def test_persson_s_own_distribution_goes_on_as_if_nothing_had_happened():
     share = density * 5e-5
     drawn = np.repeat(p, np.round(share * 1e7).astype(int))
     state = Pressed(pressure=drawn, in_contact=np.ones(drawn.size, dtype=bool))
-    area = diffused_area(state, np.array([1.0]))[0] * share.sum()
+    area = diffused_area(state, 1.0) * share.sum()
     assert area == pytest.approx(float(elastic.contact_area(0.4, stress_variance=2.0)), rel=1e-3)
 
 

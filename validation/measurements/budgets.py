@@ -78,8 +78,8 @@ def bins_of(pressure: Array) -> NDArray[np.int64]:
     return np.clip(np.searchsorted(PROFILE_EDGES, pressure, side="right") - 1, 0, BINS - 1)
 
 
-def diffused_area(state: Pressed, added: Array) -> Array:
-    r"""Contact area that absorbing diffusion makes of given pressures, over A_0, by Delta V [Pa^2] (n,).
+def diffused_area(state: Pressed, added: float) -> float:
+    r"""Contact area that absorbing diffusion makes of given pressures, over A_0, by Delta V [Pa^2].
 
     .. math:: \frac{A}{A_0} = \frac{1}{N} \sum_\text{contact} \operatorname{erf}\frac{p}{\sqrt{2 \Delta V}}
 
@@ -87,9 +87,8 @@ def diffused_area(state: Pressed, added: Array) -> Array:
     waves so far are none (Persson 2006, Eqs. 17, 19 and 20).
     """
     pressure = state.pressure[state.in_contact]
-    pressure = pressure[pressure > 0]
-    sums = [np.sum(elastic.contact_area(pressure, stress_variance=float(v))) for v in added]
-    return np.array(sums) / state.pressure.size
+    areas = elastic.contact_area(pressure[pressure > 0], stress_variance=added)
+    return float(np.sum(areas)) / state.pressure.size
 
 
 class Memory:
@@ -108,17 +107,15 @@ class Memory:
         self._since = np.zeros(first.in_contact.shape, dtype=np.int16)
         self._ever_left = np.zeros(first.in_contact.shape, dtype=bool)
         self._contacts = [first.in_contact]
-        self._last = (first, first)
+        self._last = first
 
     def add(self, state: Pressed, *, unit: float) -> None:
         """Tell the state after the next step; `unit` is sqrt(V) [Pa] before that step."""
-        earlier, before = self._last
-        out = ~before.in_contact
-        size = self.out.size
-        self.out += np.bincount(self._since[out], minlength=size)
-        self.returned += np.bincount(self._since[out & state.in_contact], minlength=size)
+        before, out = self._last, ~self._last.in_contact
+        self.out += np.bincount(self._since[out], minlength=self.out.size)
+        self.returned += np.bincount(self._since[out & state.in_contact], minlength=self.out.size)
         if len(self._contacts) > 1:
-            was_out = ~earlier.in_contact
+            was_out = ~self._contacts[-2]
             self.two_step.append(float(np.mean(was_out & state.in_contact)))
             self.composed.append(composed_inflow(was_out, before, state, unit=unit))
         # Those never in contact stay at 0; the others count the steps from the one that took them out.
@@ -128,7 +125,7 @@ class Memory:
         self._since[left] = 1
         self._ever_left |= left
         self._contacts.append(state.in_contact)
-        self._last = (before, state)
+        self._last = state
 
     @property
     def crossed(self) -> float:
@@ -153,13 +150,10 @@ def composed_inflow(was_out: NDArray[np.bool_], before: Pressed, after: Pressed,
     contact to enter.
     """
     touching = before.in_contact
-    where = bins_of(before.pressure[touching] / unit)
-    points = np.bincount(where, minlength=BINS)
-    stayed = np.bincount(where, weights=after.in_contact[touching], minlength=BINS)
-    came = np.bincount(where, weights=was_out[touching], minlength=BINS)
-    by_contact = float(np.sum(came * stayed / np.maximum(points, 1)))
-    out = np.count_nonzero(~touching)
-    entered = np.count_nonzero(after.in_contact & ~touching)
-    still_out = np.count_nonzero(was_out & ~touching)
-    by_gap = still_out * entered / out if out else 0.0
-    return (by_contact + by_gap) / was_out.size
+    binned = partial(np.bincount, bins_of(before.pressure[touching] / unit), minlength=BINS)
+    stayed, came = binned(after.in_contact[touching]), binned(was_out[touching])
+    by_contact = float(np.sum(came * stayed / np.maximum(binned(), 1)))
+    out, entered, still_out = (
+        np.count_nonzero(points & ~touching) for points in (~touching, after.in_contact, was_out)
+    )
+    return (by_contact + still_out * entered / max(out, 1)) / was_out.size

@@ -75,21 +75,14 @@ class Rings:
         self.problem, self.points, self.tolerance = problem, points, tolerance
         self.waves = surfaces.waves_of(surface, problem.realisation)
         lx, ly = self.waves.lengths
-        q = 2 * np.pi * np.hypot(self.waves.m / lx, self.waves.n / ly)
-        self.zeta = q * surface.lambda_long / (2 * np.pi)
+        self.zeta = surface.lambda_long * np.hypot(self.waves.m / lx, self.waves.n / ly)
 
     def heights(self, above: float, until: float) -> Array:
         """Heights [m] of the waves with above < q/q_long <= until."""
-        waves = self.waves
         keep = (self.zeta > above * (1 + _EDGE)) & (self.zeta <= until * (1 + _EDGE))
-        ring = replace(
-            waves,
-            m=waves.m[keep],
-            n=waves.n[keep],
-            amplitudes=waves.amplitudes[keep],
-            q_short=waves.q_short * min(until / float(self.zeta.max()), 1.0),
-        )
-        return ring.on((self.points, self.points)).heights
+        parts = {name: getattr(self.waves, name)[keep] for name in ("m", "n", "amplitudes")}
+        q_short = self.waves.q_short * min(until / float(self.zeta.max()), 1.0)
+        return replace(self.waves, q_short=q_short, **parts).on((self.points, self.points)).heights
 
     def variance(self, heights: Array) -> float:
         """V [Pa^2] of these heights: the variance of the pressure at full contact, E*^2 m2 / 4."""
@@ -100,6 +93,13 @@ class Rings:
         """Press these heights [m] at a nominal pressure [Pa], from a pressure field that is near."""
         surface = HeightField(heights=heights, lengths=self.problem.lengths)
         return press_elastic(surface, self.problem.elastic, load, start=start, tolerance=self.tolerance)
+
+    def press_both(
+        self, heights: Array, ring: Array, *, load: float, start: Array
+    ) -> tuple[ContactResult, ContactResult]:
+        """Press heights with a ring more, and with its negative."""
+        more, less = (self.press(heights + sign * ring, load=load, start=start) for sign in (1, -1))
+        return more, less
 
 
 @measurement(
@@ -125,39 +125,29 @@ def chain(
     them in `restarts` absorbing diffusion is started from the truth. The area is off by less than the
     relative `tolerance`, and every flow is much larger.
     """
-    variance: list[float] = []
-    areas: list[list[tuple[float, ...]]] = []
-    square: list[float] = []
-    sums: list[dict[str, Array]] = []
-    starts: dict[float, tuple[float, Pressed]] = {}
+    starts: list[tuple[float, Pressed]] = []
     diffused = np.full((len(restarts), len(ends)), np.nan)
-    before, memory = None, None
     rings, load = Rings(problem, points, tolerance), problem.pressure
     heights = rings.heights(0.0, ends[0])
-    result = other = rings.press(heights, load=load)
+    pair = (rings.press(heights, load=load),) * 2
+    state = pressed(pair[0])
+    memory = Memory(state, steps=len(ends))
+    variance, areas, square, sums = [], [], [], []
     for k, zeta in enumerate(ends):
         if k:
-            ring = rings.heights(ends[k - 1], zeta)
-            other = rings.press(heights - ring, load=load, start=result.pressure)
-            heights = heights + ring
-            result = rings.press(heights, load=load, start=result.pressure)
-        v, state = rings.variance(heights), pressed(result)
-        areas.append([areas_of(result), areas_of(other)])
-        square.append(float(np.mean(state.pressure**2)) / v)
-        if before is None or memory is None:
-            memory = Memory(state, steps=len(ends))
-        else:
-            unit = float(np.sqrt(variance[-1]))
-            sums.append(budget(before, (state, pressed(other)), unit=unit))
+            ring, unit = rings.heights(ends[k - 1], zeta), float(np.sqrt(variance[-1]))
+            pair = rings.press_both(heights, ring, load=load, start=pair[0].pressure)
+            heights, before, (state, other) = heights + ring, state, map(pressed, pair)
+            sums.append(budget(before, (state, other), unit=unit))
             memory.add(state, unit=unit)
-        for row, (began, start) in enumerate(starts.values()):
-            diffused[row, len(variance)] = diffused_area(start, np.array([v - began]))[0]
-        if zeta in restarts:
-            starts[zeta] = v, state
-            diffused[len(starts) - 1, len(variance)] = areas[-1][0][0]
-        before = state
+        v = rings.variance(heights)
         variance.append(v)
-    assert memory is not None
+        areas.append([areas_of(result) for result in pair])
+        square.append(float(np.mean(state.pressure**2)) / v)
+        diffused[: len(starts), k] = [diffused_area(start, v - began) for began, start in starts]
+        if zeta in restarts:
+            diffused[len(starts), k] = areas[-1][0][0]
+            starts.append((v, state))
     data: dict[str, Any] = {
         "variance_share": ("level", np.array(variance) / variance[-1]),
         "mean_square": ("level", square),
@@ -207,12 +197,10 @@ def probe(
     # E* h'_rms = 2 sqrt(V).
     load = 2 * reduced_load(problem) * unit
     first = rings.press(heights, load=load)
-    before = pressed(first)
-    sums: list[dict[str, Array]] = []
-    areas = [[areas_of(first)] * 2]
+    sums, areas = [], [[areas_of(first)] * 2]
     for step in steps:
         scaled = ring * np.sqrt(step * v / natural)
-        pair = [rings.press(heights + sign * scaled, load=load, start=first.pressure) for sign in (1, -1)]
-        sums.append(budget(before, [pressed(result) for result in pair], unit=unit))
-        areas.append([areas_of(result) for result in pair])
+        pair = rings.press_both(heights, scaled, load=load, start=first.pressure)
+        sums.append(budget(pressed(first), [*map(pressed, pair)], unit=unit))
+        areas.append([*map(areas_of, pair)])
     return _dataset({"nominal": load / unit}, areas=areas, sums=sums)
