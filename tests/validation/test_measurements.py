@@ -136,7 +136,7 @@ def turned(width):
             1.5,
         ),
         (lambda one: {"square": edge.inverse_square_coefficient(one)}, 1.5),
-        (lambda one: measurement._read_off(one, located=False), 1.5),
+        (lambda one: measurement._read_off(one, PRESSED, (), located=False), 1.5),
         (lambda one: magnified._read_off(one, one, unit=0.01), 2.0),  # of square cells alone
     ],
     ids=["histograms", "edge", "measured", "magnified"],

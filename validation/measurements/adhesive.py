@@ -27,6 +27,7 @@ from validation.effects.hardness import Hardness
 from validation.execution.bench import Solves
 from validation.execution.measurement import Call, measurement
 from validation.execution.press import Press
+from validation.measurements.limits import solve_of
 from validation.measurements.measurement import even_points
 from validation.measurements.theory import wave_powers
 from validation.report.estimates import claim, derive
@@ -88,31 +89,25 @@ class Sticking:
     def measured(self, solved: Solves) -> xr.Dataset:
         """Return areas on every grid, what the interface gains on the finest, and what the theory says."""
         sticky, plain = ([solved[s].checked() for s in self.solves(sticky=held)] for held in (True, False))
-        work, problem = self.adhesion.work, self.problem
-        counted = {
-            "area": [contact.in_contact.mean() for contact in sticky],
-            "area_plain": [contact.in_contact.mean() for contact in plain],
-            "area_plastic": [contact.at_bound.mean() for contact in sticky],
-        }
-        solutions = readings(problem, self.adhesion, *self.hardness)
-        improved, plastic = solutions["improved"], math.nan
-        if not self.hardness:
-            counted["area_plastic"] = [math.nan] * len(self.grids)
-        elif improved is not None:
-            plastic = float(improved.area_plastic[-1])
-        numbers: dict[str, float] = {
+        law, work, problem = self.adhesion.gap_law(), self.adhesion.work, self.problem
+        yielded = [contact.at_bound.mean() if self.hardness else math.nan for contact in sticky]
+        numbers: dict[str, Any] = {
+            "area_pixel": ("grid", [contact.in_contact.mean() for contact in sticky]),
+            "area_plain_pixel": ("grid", [contact.in_contact.mean() for contact in plain]),
+            "area_plastic_pixel": ("grid", yielded),
             "area_plain_persson": predict(problem, self.hardness).area,
-            "area_plastic_improved": plastic,
-            "interface_energy": interface_energy(sticky[-1], self.adhesion.gap_law()) / work,
-            "attraction_range": self.adhesion.gap_law().reach / problem.field.rms_height,
+            "area_plastic_improved": math.nan,
+            "interface_energy": interface_energy(sticky[-1], law) / work,
+            "attraction_range": law.reach / problem.field.rms_height,
         }
-        for reading, solution in solutions.items():
-            area, gained = math.nan, math.nan
+        for reading, solution in readings(problem, self.adhesion, *self.hardness).items():
+            numbers |= {f"area_{reading}": math.nan, f"interface_energy_{reading}": math.nan}
             if solution is not None:
-                area, gained = solution.real_area, solution.macroscopic_work / work
-            numbers |= {f"area_{reading}": area, f"interface_energy_{reading}": gained}
-        data: dict[str, Any] = {f"{name}_pixel_each": ("grid", values) for name, values in counted.items()}
-        data |= {f"{name}_each": value for name, value in numbers.items()}
+                numbers[f"area_{reading}"] = solution.real_area
+                numbers[f"interface_energy_{reading}"] = solution.macroscopic_work / work
+                if self.hardness and reading == "improved":
+                    numbers["area_plastic_improved"] = solution.area_plastic[-1]
+        data = {f"{name}_each": value for name, value in numbers.items()}
         for name, attracted in (("solve", True), ("solve_plain", False)):
             data[name] = "grid", [solve.key for solve in self.solves(sticky=attracted)]
         return xr.Dataset(data, coords={"points": ("grid", list(self.grids))})
@@ -204,43 +199,38 @@ class Cut:
             for name, of in counted.items()
         }
         energies = [float(measured.stored.sum() / measured.full.sum()) for measured in grids]
-        data["area_plain_persson_each"] = predict(self.problem, ()).area
-        for reading in READINGS:
-            contact = self.theory.get(reading)
-            seen = _NOTHING if contact is None else _seen(contact, self.problem)
-            for name, value in seen.items():
-                data[f"{name}_{reading}_each"] = ("stress_bin" if np.ndim(value) else (), value)
         data["energy_ratio_grid_each"] = "grid", energies
+        data["area_plain_persson_each"] = predict(self.problem, ()).area
         data["stress_share_each"] = "stress_bin", grids[-1].stress.values
         data["solve"] = "grid", [measured.attrs["solve"] for measured in grids]
+        for reading in READINGS:
+            for name, value in _seen(self.theory.get(reading), self.problem).items():
+                data[f"{name}_{reading}_each"] = ("stress_bin" if np.ndim(value) else (), value)
         middle = (STRESS_EDGES[1:] + STRESS_EDGES[:-1]) / 2
         return xr.Dataset(data, coords={"stress": ("stress_bin", middle)})
-
-
-#: What is read off the theory where it has no answer.
-_NOTHING = dict.fromkeys(("area", "force_inside", "energy_ratio", "tension"), math.nan) | {
-    "stress_share": np.full(STRESS_EDGES.size - 1, math.nan)
-}
 
 
 def shares_by_shell(
     measured: xr.Dataset, theory: Solutions, *, problem: ContactProblem, edges: Array
 ) -> xr.Dataset:
     """Return P~ of the waves of a solve between its shells, whose edges [1/m] are given from the first on, and the theory's."""
-    shares = {
-        f"energy_share_{r}_each": ("shell", _stored_shares(solution, edges, problem))
-        for r, solution in theory.items()
+    stored, full = measured.stored.values, measured.full.values
+    data: dict[str, Any] = {
+        f"energy_share_{reading}_each": ("shell", _stored_shares(solution, edges, problem))
+        for reading, solution in theory.items()
     }
-    shares["energy_share_each"] = ("shell", measured.stored.values[:-1] / measured.full.values[:-1])
-    beyond = float(measured.stored[-1] / measured.stored.sum())
-    wave = {"wave": ("shell", edges[1:] / edges[0])}
-    return xr.Dataset(
-        {**shares, "energy_beyond_each": beyond}, coords=wave, attrs={"solve": measured.attrs["solve"]}
-    )
+    data |= {
+        "energy_share_each": ("shell", stored[:-1] / full[:-1]),
+        "energy_beyond_each": stored[-1] / stored.sum(),
+    }
+    return xr.Dataset(data, coords={"wave": ("shell", edges[1:] / edges[0])}, attrs=solve_of(measured))
 
 
-def _seen(contact: AdhesiveContact, problem: ContactProblem) -> dict[str, Any]:
+def _seen(contact: AdhesiveContact | None, problem: ContactProblem) -> dict[str, Any]:
     """Read the theory at the last wave; stresses at the nearest node, over E* h'_rms, as shares over the bins."""
+    if contact is None:
+        numbers = dict.fromkeys(("area", "force_inside", "energy_ratio", "tension"), math.nan)
+        return numbers | {"stress_share": np.full(STRESS_EDGES.size - 1, math.nan)}
     q, at = 2 * np.pi / problem.shortest, np.log(contact.wavevectors)
     node = int(np.argmin(np.abs(at - np.log(q))))
     force, stored = (
@@ -275,10 +265,10 @@ def _stored_shares(contact: AdhesiveContact | None, edges: Array, problem: Conta
 def with_pooled_stress(data: xr.Dataset) -> xr.Dataset:
     """Add P(sigma) A0/A of all surfaces as one sample, and how far that of each reading is from it."""
     width = float(STRESS_EDGES[1] - STRESS_EDGES[0])
-    pooled = {}
-    for end in ("", *(f"_{reading}" for reading in READINGS)):
-        share = f"stress_share{end}_each.mean('surface', skipna=False)"
-        pooled[f"stress_density{end}"] = f"{share} / ({share}).sum('stress_bin', skipna=False) / {width}"
+    share = "stress_share{}_each.mean('surface', skipna=False)"
+    form = f"{share} / ({share}).sum('stress_bin', skipna=False) / {width}"
+    ends = ("", *(f"_{reading}" for reading in READINGS))
+    pooled = {f"stress_density{end}": form.format(end, end) for end in ends}
     step = "(stress_density - stress_density_{}).cumsum('stress_bin', skipna=False)"
     apart = {f"stress_distance_{r}": f"abs({step.format(r)}).max('stress_bin') * {width}" for r in READINGS}
     return claim(derive(data, **pooled, **apart), "stress_density", *apart)

@@ -156,4 +156,4 @@ def composed_inflow(was_out: NDArray[np.bool_], before: Pressed, after: Pressed,
     out, entered, still_out = (
         np.count_nonzero(points & ~touching) for points in (~touching, after.in_contact, was_out)
     )
-    return (by_contact + still_out * entered / max(out, 1)) / was_out.size
+    return (by_contact + still_out * entered / (out or 1)) / was_out.size

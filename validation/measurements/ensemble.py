@@ -7,11 +7,12 @@ import math
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 import scipy.special
 import xarray as xr
+from numpy.typing import ArrayLike
 
 from validation.arrays import Array, Grid
 from validation.errors import NoLimit
@@ -100,6 +101,15 @@ class Chained:
     #: (surface, load): That of the solves, by the last grid of a surface, coarsest first.
     seconds: Sequence[Array]
 
+    @classmethod
+    def of(
+        cls, unsolved: Sequence[xr.Dataset], further: Sequence[xr.Dataset], seconds: Sequence[Array]
+    ) -> Self:
+        """Take statistics from what `unsolved_pairs` left."""
+        values = [np.concatenate([block.value.values for block in blocks]) for blocks in (unsolved, further)]
+        spent = sum(float(block.attrs["seconds"]) for block in (*unsolved, *further))
+        return cls(unsolved=values[0], further=values[1], unsolved_seconds=spent, seconds=seconds)
+
     def chains(self, values: Callable[[int, int], Array]) -> list[tuple[Controlled, ...]]:
         """Return the controlled means of a quantity on all grids, for each load; the last is the one that counts.
 
@@ -119,14 +129,12 @@ class Chained:
         look = self.unsolved_seconds / (len(self.unsolved) + len(self.further))
         slopes = chain[0].coefficients
         explained = float(slopes @ np.cov(self.further, rowvar=False) @ slopes)
-        # The mean of a level is multiplied by the coefficients of those above it.
-        factors = [
-            float(np.prod([mean.coefficients for mean in chain[k + 1 :]])) ** 2 for k in range(len(chain))
-        ]
         times = [2 * float(seconds.sum(axis=1).mean()) for seconds in self.seconds]
         times[0] += look
-        solves = [(f * mean.left, time) for f, mean, time in zip(factors, chain, times, strict=True)]
-        return [*solves, (factors[0] * explained, look)]
+        # The mean of a level is multiplied by the coefficients of those above it.
+        above = [math.prod(mean.coefficients.item() for mean in chain[k + 1 :]) for k in range(len(chain))]
+        solves = [(f**2 * mean.left, time) for f, mean, time in zip(above, chain, times, strict=True)]
+        return [*solves, (above[0] ** 2 * explained, look)]
 
     def savings(self, chains: Sequence[Sequence[Controlled]], coarse: Array) -> Array:
         """Return the processor time of plain means over single surfaces, for the same intervals, over that spent, (load,).
@@ -137,6 +145,11 @@ class Chained:
         scatter = coarse.std(axis=1, ddof=1) / coarse.mean(axis=1) / errors * scipy.special.ndtri(0.975)
         spent = sum(seconds.sum(axis=0) for seconds in self.seconds) + self.unsolved_seconds
         return np.asarray(scatter**2 * self.seconds[-1].mean(axis=0) / spent)
+
+
+def common_error(errors: ArrayLike) -> Array:
+    """Half of the 95 % interval of what the grids leave, by surface (n, ...): alike on all, it does not average."""
+    return np.asarray(1.96 * np.sqrt(np.mean(np.square(errors), axis=0)))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -237,9 +250,7 @@ def _estimated(
         return np.asarray(on_grid.subcell.fillna(on_grid.perimeter))
 
     (chain,) = chained.chains(values)
-    coarse, errors = values(0, 0), area_limits(ending[-1])[1]
-    # Alike on all surfaces, it does not average.
-    grid_error = 1.96 * float(np.sqrt(np.mean(np.square(errors))))
+    coarse, grid_error = values(0, 0), float(common_error(area_limits(ending[-1])[1]))
     return MeanArea(
         chain=chain,
         grid=grid_error + TOLERANCES_LEFT * tolerance * chain[-1].value,
@@ -291,13 +302,8 @@ class _Drawn:
 
         levels = len(self.grids)
         ending = [xr.concat(of("pressed", last), "load") for last in range(levels)]
-        unsolved, further = of("looked", 0), of("looked", levels)
-        return ending, Chained(
-            unsolved=np.concatenate([block.value.values for block in unsolved]),
-            further=np.concatenate([block.value.values for block in further]),
-            unsolved_seconds=sum(float(block.attrs["seconds"]) for block in (*unsolved, *further)),
-            seconds=[pressed.seconds.values[:, None] for pressed in ending],
-        )
+        seconds = [pressed.seconds.values[:, None] for pressed in ending]
+        return ending, Chained.of(of("looked", 0), of("looked", levels), seconds)
 
     def grow(self, numbers: Sequence[int]) -> None:
         """Take at least so many pairs that end with each grid, and that are only looked at, in whole blocks."""

@@ -92,20 +92,18 @@ def leaks(*, problem: ContactProblem, grid: Grid, areas: tuple[float, ...]) -> x
     contacts = [contact_at.at_area(area) for area in areas]
     flows = [[_flow(contact, axis) for axis in ("x", "y")] for contact in contacts]
     height = problem.field.rms_height
-    gaps = [gap_distribution(contact, GAP_EDGES * height).density * height for contact in contacts]
-    loads = [contact.mean_pressure / problem.pressure_scale for contact in contacts]
-    counted = [float(np.mean(contact.in_contact)) for contact in contacts]
-    thresholds = {
+    data: dict[str, Any] = {
+        name: (("area", "axis"), [[along[name] for along in row] for row in flows]) for name in flows[0][0]
+    }
+    data |= {
         name: ("axis", [threshold_area(open_at(axis)) for axis in ("x", "y")])
         for name, open_at in (("contact_threshold", contact_is_apart), ("gap_threshold", gap_is_open))
     }
-    return xr.Dataset(
-        {name: (("area", "axis"), [[along[name] for along in row] for row in flows]) for name in flows[0][0]}
-        | thresholds
-        | {"reduced_pressure": ("area", loads), "counted": ("area", counted)}
-        | {"gap_density": (("area", "gap_bin"), gaps)},
-        coords={"area": list(areas), "axis": ["x", "y"]},
-    )
+    gaps = [gap_distribution(contact, GAP_EDGES * height).density * height for contact in contacts]
+    data["gap_density"] = ("area", "gap_bin"), gaps
+    data["reduced_pressure"] = "area", [one.mean_pressure / problem.pressure_scale for one in contacts]
+    data["counted"] = "area", [float(np.mean(one.in_contact)) for one in contacts]
+    return xr.Dataset(data, coords={"area": list(areas), "axis": ["x", "y"]})
 
 
 #: Elastic energies of the theory of gaps, by their g (Persson 2006, and Yang, Persson 2008).
@@ -121,39 +119,34 @@ def flow_of(measured: xr.Dataset, problem: ContactProblem) -> xr.Dataset:
     of axes that are closed; P(u) h_rms and the share of narrow gaps. Over (phase, axis) and (phase): thresholds.
     """
     data = measured.rename(area="asked").rename(asked="area_asked").swap_dims(area_asked="asked")
-    narrowest = data.constriction**3 / 12
+    phases = [data.contact_threshold, data.gap_threshold]
     along = {
         "area_located": data.located,
         "gap_conductance": data.conductance,
         "gap_conductance_bruggeman": data.effective_medium,
-        "gap_conductance_constriction": narrowest,
+        "gap_conductance_constriction": data.constriction**3 / 12,
         "constriction": data.constriction,
         "closed": data.closed,
         "balance": data.balance,
+        "percolation_area": xr.concat(phases, "phase").assign_coords(phase=["contact", "gap"]),
     }
     numbers: dict[str, Any] = {f"{name}_axis_each": value for name, value in along.items()}
     numbers |= {f"{name}_each": value.mean("axis") for name, value in along.items()}
-    phases = [data.contact_threshold, data.gap_threshold]
-    thresholds = xr.concat(phases, "phase").assign_coords(phase=["contact", "gap"]).rename("thresholds")
-    numbers |= {"percolation_area_axis_each": thresholds, "percolation_area_each": thresholds.mean("axis")}
     width = xr.DataArray(np.diff(GAP_EDGES), dims="gap_bin")
     narrow = xr.DataArray(GAP_EDGES[1:] <= NARROW * (1 + 1e-9), dims="gap_bin")
-    densities = {"": data.gap_density} | {
+    densities = {
         f"_{name}": data.gap_density.copy(data=_gap_theory(data.reduced_pressure.values, problem, ratio))
         for name, ratio in GAP_THEORIES.items()
     }
-    for end, density in densities.items():
-        share = density * width
-        numbers[f"gap_density{end}_each"] = density
-        numbers[f"gap_share{end}_each"] = share.cumsum("gap_bin")
-        numbers[f"gap_narrow{end}_each"] = share.where(narrow).sum("gap_bin")
-    # What counts as contact but lies beyond the located edge is a narrow gap.
+    # What counts as contact but lies beyond the located edge is a narrow gap; in the theory nothing does.
     edge = data.counted - data.located.mean("axis")
-    for name in ("gap_share_each", "gap_narrow_each"):
-        numbers[name] = numbers[name] + edge
-    middle = {"local_gap": ("gap_bin", (GAP_EDGES[1:] + GAP_EDGES[:-1]) / 2)}
+    for end, density in {"": data.gap_density, **densities}.items():
+        share, beyond = density * width, 0.0 if end else edge
+        numbers[f"gap_density{end}_each"] = density
+        numbers[f"gap_share{end}_each"] = share.cumsum("gap_bin") + beyond
+        numbers[f"gap_narrow{end}_each"] = share.where(narrow).sum("gap_bin") + beyond
     numbers["reduced_pressure_each"] = data.reduced_pressure
-    return xr.Dataset(numbers).assign_coords(middle)
+    return xr.Dataset(numbers).assign_coords(local_gap=("gap_bin", (GAP_EDGES[1:] + GAP_EDGES[:-1]) / 2))
 
 
 def _gap_theory(loads: Array, problem: ContactProblem, ratio: float) -> Array:
@@ -161,12 +154,11 @@ def _gap_theory(loads: Array, problem: ContactProblem, ratio: float) -> Array:
     height = problem.field.rms_height
     scale = Scale(problem.own_spectrum, contact_modulus=problem.contact_modulus)
     points = np.stack([GAP_EDGES[:-1], (GAP_EDGES[1:] + GAP_EDGES[:-1]) / 2, GAP_EDGES[1:]]) * height
-    densities = [
+    density = [
         theory_of_gaps(points.ravel(), pressure=float(load), scale=scale, energy_ratio=ratio)
         for load in loads * problem.pressure_scale
     ]
-    simpson = np.array([1, 4, 1]) / 6
-    return np.array([simpson @ density.reshape(points.shape) * height for density in densities])
+    return np.array([1, 4, 1]) / 6 @ np.reshape(density, (-1, *points.shape)) * height
 
 
 class States:

@@ -15,11 +15,11 @@ import xarray as xr
 from persson.elastic import pressure_distribution, stress_variance
 from validation.arrays import Grid
 from validation.measurements.distributions import PATCH_EDGES, STRESS_EDGES, weighted_percentile
-from validation.measurements.limits import Measured, limits_of, shift_means
-from validation.measurements.measurement import limit_over, stored_areas
+from validation.measurements.limits import Measured, limit_dataset, limits_of, shift_means
+from validation.measurements.measurement import limit_over, no_limit, stored_areas
 from validation.measurements.references import published
 from validation.measurements.statistics import order_of_convergence
-from validation.report.estimates import NORMAL, change, claim, claim_shares, derive, error_of, gather, mean
+from validation.report.estimates import change, claim, claim_shares, derive, error_of, gather, mean
 from validation.scenes.problem import ContactProblem
 
 #: Stress, over E* h'_rms, that is small; distance from the limit that is close.
@@ -138,10 +138,12 @@ def with_methods(
     names |= {"subcell": "area_other_located_each"}
     parts = {(cases[m, g], k): answer[[*names]].rename(names) for (m, k, g), answer in answers.items()}
     other = gather(parts, "other_case", "surface").rename(solve="solve_other")
-    limits = {}
-    for (m, on), k in itertools.product(grids.items(), range(data.sizes["surface"])):
-        limit = method_limit([answers[m, k, g] for g in range(len(on))], on, "area_other")
-        limits[m, k] = limit.drop_attrs(deep=False)
+    limits = {
+        (m, k): method_limit([answers[m, k, g] for g in range(len(on))], on, "area_other").drop_attrs(
+            deep=False
+        )
+        for (m, on), k in itertools.product(grids.items(), range(data.sizes["surface"]))
+    }
     added = [other, gather(limits, "other", "surface")]
     data = xr.merge([data, *added], compat="no_conflicts", combine_attrs="override")
     ways = ("other", "other_pixel", "other_perimeter", "other_located")
@@ -188,13 +190,9 @@ def method_limit(answers: Sequence[xr.Dataset], grids: Sequence[Grid], name: str
         stored_areas(answer, grid=grid, edge_constant=float(answer.edge_constant))
         for answer, grid in zip(answers, grids, strict=True)
     ]
-    value = half = np.nan
     enough = len(areas) > 2 or all(area.subcell is not None for area in areas)
-    if enough and len({area.spacing for area in areas}) > 1:
-        limited = limit_over(areas)
-        value, half = limited.value, NORMAL * limited.uncertainty
-    limit = xr.DataArray(value)
-    data = xr.Dataset({f"{name}_each": limit, f"{name}_each_error": error_of(limit, grid=half)})
+    enough = enough and len({area.spacing for area in areas}) > 1
+    data = limit_dataset(limit_over(areas) if enough else no_limit("too few grids"), name)
     return data.assign_attrs(solve=" ".join(str(answer.attrs.get("solve", "")) for answer in answers))
 
 

@@ -11,6 +11,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from fem_contact.contact import ContactResult
+from fem_contact.extrapolation import Limit
 from validation.arrays import Grid
 from validation.errors import UsageError
 from validation.execution.bench import Bench
@@ -39,15 +40,14 @@ def solve_of(result: xr.Dataset) -> dict[str, str]:
 
 def read_off(result: xr.Dataset, **expressions: str) -> xr.Dataset:
     """Return what is taken of a solve: variables by expressions of what it keeps, as attributes or variables."""
-    attributes = {n: xr.DataArray(v) for n, v in result.attrs.items() if isinstance(v, int | float)}
-    variables = {**attributes, **{str(n): result[n] for n in result.variables}}
+    variables = {n: xr.DataArray(v) for n, v in result.attrs.items() if isinstance(v, int | float)}
+    variables |= {str(n): result[n] for n in result.variables}
     data = xr.Dataset(attrs=solve_of(result))
     for name, expression in expressions.items():
-        made = {"reduction": "read", "expression": expression}
         value = xr.DataArray(evaluated(expression, variables))
         # What was taken of one place has no coordinate of it.
         elsewhere = [n for n, c in value.coords.items() if c.dims != result[n].dims]
-        data[name] = value.drop_vars(elsewhere).assign_attrs(made)
+        data[name] = value.drop_vars(elsewhere).assign_attrs(reduction="read", expression=expression)
     return data
 
 
@@ -66,7 +66,7 @@ def limits_of(measured: xr.Dataset, *, drift: bool = True) -> xr.Dataset:
     value, error = area_limits(measured)
     plain = measured.drop_vars(["points", "cells"], errors="ignore")
     limit = xr.DataArray(value, dims="load", coords={"reduced_pressure": plain.reduced_pressure})
-    read = read_off(
+    data = read_off(
         plain,
         area_pixel_each="pixel.mean('shift')",
         area_perimeter_each="perimeter.isel(grid=-1).mean('shift')",
@@ -74,13 +74,11 @@ def limits_of(measured: xr.Dataset, *, drift: bool = True) -> xr.Dataset:
         nayak_each="nayak",
         seconds_each="seconds.sum()",
     )
-    made: dict[str, Any] = {
-        "area_each": limit.assign_attrs(reduction="limit", of="subcell"),
-        "area_each_error": error_of(limit, grid=NORMAL * xr.DataArray(error, dims="load"), **ABSENT),
-    }
+    data["area_each"] = limit.assign_attrs(reduction="limit", of="subcell")
+    data["area_each_error"] = error_of(limit, grid=NORMAL * xr.DataArray(error, dims="load"), **ABSENT)
     if drift:
-        made["area_each_drift"] = ("load", grid_drift(measured), {"reduction": "drift", "of": "subcell"})
-    return xr.Dataset({**made, **read.data_vars}, attrs=read.attrs)
+        data["area_each_drift"] = "load", grid_drift(measured), {"reduction": "drift", "of": "subcell"}
+    return data
 
 
 def shift_means(measured: xr.Dataset, **quantities: str) -> dict[Any, xr.DataArray]:
@@ -97,9 +95,8 @@ def grid_drift(dataset: xr.Dataset) -> NDArray[np.float64]:
     resolved = np.flatnonzero(dataset.points_per_wave.values >= LEAST_POINTS_PER_WAVE)
     if resolved.size < 3 or (resolved.size - 1) * dataset.sizes["shift"] < 3:
         return np.zeros(dataset.sizes["load"])
-    limits, _ = area_limits(dataset.isel(grid=resolved))
-    finer, _ = area_limits(dataset.isel(grid=resolved[1:]))
-    return np.asarray(finer - limits)
+    whole, finer = (area_limits(dataset.isel(grid=grids))[0] for grids in (resolved, resolved[1:]))
+    return np.asarray(finer - whole)
 
 
 def solver_error(usual: xr.Dataset, strict: xr.Dataset) -> float:
@@ -115,15 +112,17 @@ def solver_error(usual: xr.Dataset, strict: xr.Dataset) -> float:
 def limit_of(solved: Mapping[Press, ContactResult]) -> xr.Dataset:
     """Reduce the fields of one surface at one load, coarse grid first, to A/A0 as `limits_of` does."""
     areas = [areas_of_solve(solve, result) for solve, result in solved.items()]
-    limit = limit_over(areas)
-    value = xr.DataArray(limit.value, attrs={"reduction": "limit", "of": "fields"})
-    made: dict[str, Any] = {
-        "area_each": value,
-        "area_each_error": error_of(value, grid=NORMAL * limit.uncertainty, **ABSENT),
-        "area_pixel_each": areas[-1].pixel,
-        "area_perimeter_each": areas[-1].perimeter,
-    }
-    return xr.Dataset(made).assign_attrs(solve=" ".join(solve.key for solve in solved))
+    data = limit_dataset(limit_over(areas), **ABSENT)
+    data["area_each"].attrs |= {"reduction": "limit", "of": "fields"}
+    data = data.assign(area_pixel_each=areas[-1].pixel, area_perimeter_each=areas[-1].perimeter)
+    return data.assign_attrs(solve=" ".join(solve.key for solve in solved))
+
+
+def limit_dataset(limit: Limit, name: str = "area", **absent: str) -> xr.Dataset:
+    """Return a limit over grids as ``<name>_each`` with its interval, and why other sources do not enter."""
+    value = xr.DataArray(limit.value)
+    error = error_of(value, grid=NORMAL * limit.uncertainty, **absent)
+    return xr.Dataset({f"{name}_each": value, f"{name}_each_error": error})
 
 
 def resolved_grids(first: ContactProblem, grids: Sequence[Grid], *, located: bool) -> tuple[Grid, ...]:

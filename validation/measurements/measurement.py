@@ -85,11 +85,7 @@ TOLERANCES_LEFT = 7.0
 
 def grid_tolerance(problem: ContactProblem, grids: Sequence[Grid]) -> float:
     """Tolerance that areas on such grids deserve: below it, digits are computed that the grids do not have."""
-    points = max(
-        n * problem.shortest / length
-        for grid in grids
-        for n, length in zip(grid, problem.lengths, strict=True)
-    )
+    points = float(np.max(np.array(grids) * problem.shortest / problem.lengths))
     return max(_TOLERANCE * min(1.0, (_AT_POINTS / points) ** 3), _LEAST_TOLERANCE)
 
 
@@ -140,24 +136,18 @@ def _recipe(
     }
 
 
-def _seconds(
-    grids: tuple[Grid, ...],
-    shifts: int,
-    effects: tuple[EffectSpec, ...],
-    reduced_pressures: tuple[float, ...],
-) -> float:
-    """Return predicted seconds of processor time: `shifts` is along one side, so squared."""
-    each = sum(2e-3 + 8e-7 * nx * ny for nx, ny in grids)
-    return dearer_by(effects) * max(len(reduced_pressures), 1) * shifts**2 * each
-
-
 @measurement(
     "measure-{size}",
     kind="Measurement",
     words="areas to",
     recipe=_recipe,
     left_out=("load", "keep"),
-    seconds=_seconds,
+    seconds=lambda grids, shifts, effects, reduced_pressures: (
+        dearer_by(effects)
+        * max(len(reduced_pressures), 1)
+        * shifts**2
+        * sum(2e-3 + 8e-7 * nx * ny for nx, ny in grids)
+    ),
     bytes=120,
 )
 def press_on_grids(
@@ -186,35 +176,25 @@ def press_on_grids(
     keep : tuple of str
         What else is read off: ``distributions`` of P(sigma) and patch sizes; see `quantities_of`.
     """
-    loads, modulus = reduced_pressures or (reduced_load(problem),), problem.contact_modulus
-    offsets = subgrid_shifts(shifts)
-    shape = (len(grids), len(offsets), len(loads))
-    values = {name: np.full(shape, np.nan) for name in quantities_of(keep)}
-    histograms: dict[str, Array] = {}
-    for (i, grid), (j, shift) in itertools.product(enumerate(grids), enumerate(offsets)):
-        field = truncated_heights(problem, grid, shift, truncation=truncation)
-        located = not effects and has_square_cells(problem, grid)
-        for k, result in enumerate(pressed_path(field, problem, loads, effects=effects, tolerance=tolerance)):
-            numbers, unit = _read_off(result, located=located), modulus / result.contact_modulus
-            numbers["density_at_zero"] *= unit
-            if "stiffness" in keep:
-                # Off by the square of the tolerance, .6 of that at worst.
-                frozen = 1e-3 if "slope" in keep else 1e-9
-                numbers["stiffness"] = _stiffness(result, problem, tolerance=frozen)
-            if "slope" in keep:
-                numbers["slope"] = window_slope(result).reduced * unit**2
-            for name, value in numbers.items():
-                values[name][i, j, k] = value
-            if "distributions" in keep:
-                for name, counts in histograms_of(result, problem).items():
-                    zeros = np.zeros((shape[0], shape[2], counts.size))
-                    histograms.setdefault(name, zeros)[i, k] += counts
-    histograms = {name: counts / len(offsets) for name, counts in histograms.items()}
     import xarray as xr
 
-    data: dict[str, Any] = {name: (("grid", "shift", "load"), array) for name, array in values.items()}
-    data |= {f"{name}_profile": (("grid", "load", f"{name}_bin"), h) for name, h in histograms.items()}
-    field = problem.field
+    loads = reduced_pressures or (reduced_load(problem),)
+
+    def read(grid: Grid, shift: tuple[float, float]) -> list[dict[str, Any]]:
+        field = truncated_heights(problem, grid, shift, truncation=truncation)
+        path = pressed_path(field, problem, loads, effects=effects, tolerance=tolerance)
+        located = not effects and has_square_cells(problem, grid)
+        return [_read_off(result, problem, keep, located=located) for result in path]
+
+    solves = [[read(grid, shift) for shift in subgrid_shifts(shifts)] for grid in grids]
+    data: dict[str, Any] = {}
+    for name in solves[0][0][0]:
+        values = np.array([[[numbers[name] for numbers in path] for path in shifted] for shifted in solves])
+        if values.ndim == 3:
+            data[name] = ("grid", "shift", "load"), values
+        else:
+            data[f"{name}_profile"] = ("grid", "load", f"{name}_bin"), values.mean(axis=1)
+    field, modulus = problem.field, problem.contact_modulus
     return xr.Dataset(
         data,
         coords={
@@ -244,11 +224,9 @@ def pressed_path(
     """Solve the loads of one grid in order, each from the one before; only one result is held at a time."""
     pressures = [reduced * problem.pressure_scale for reduced in loads]
     if not effects:
-        yield from elastic_path(field, problem.elastic, pressures, tolerance=tolerance)
-        return
-    for pressure in pressures:
-        model = ContactModel.filled(problem.elastic, effects)
-        yield find_solver("bem").pressed(field, model, pressure, tolerance=tolerance).checked()
+        return elastic_path(field, problem.elastic, pressures, tolerance=tolerance)
+    model, solver = ContactModel.filled(problem.elastic, effects), find_solver("bem")
+    return (solver.pressed(field, model, p, tolerance=tolerance).checked() for p in pressures)
 
 
 def elastic_path(
@@ -271,10 +249,8 @@ def press_elastic(
     tolerance: float = TOLERANCE,
 ) -> ContactResult:
     """Solve the half-space at a mean pressure [Pa] on one thread, from a pressure field that is near."""
-    body = HalfSpace(solid=solid)
-    return bem.solve(
-        field, body, mean_pressure=pressure, start=start, tolerance=tolerance, threads=1
-    ).checked()
+    options: dict[str, Any] = {"start": start, "tolerance": tolerance, "threads": 1}
+    return bem.solve(field, HalfSpace(solid=solid), mean_pressure=pressure, **options).checked()
 
 
 def truncated_heights(
@@ -298,16 +274,20 @@ def without_waves_beyond(field: HeightField, last: float) -> HeightField:
     return HeightField(heights=np.fft.irfft2(waves, s=field.shape), lengths=field.lengths)
 
 
-def _read_off(result: ContactResult, *, located: bool) -> dict[str, float]:
-    areas = contact_areas(result, subcell=located)
+def _read_off(
+    result: ContactResult, problem: ContactProblem, keep: Sequence[str], *, located: bool
+) -> dict[str, Any]:
+    """Return `quantities_of` a solve, and its histograms where they are kept."""
     patches = find_patches(result.in_contact, result.spacing)
     sizes = np.sort(patches.areas)[::-1]
     cell = result.spacing[0] * result.spacing[1]
     full = result.in_contact.all() and not result.at_bound.any()
     half = np.searchsorted(np.cumsum(sizes), sizes.sum() / 2)
-    return {
-        **areas_read(areas),
-        "density_at_zero": density_at_zero(result).reduced,
+    # What is read off in units of E* at the surface stands on that of the solid below a coating.
+    unit = problem.contact_modulus / result.contact_modulus
+    numbers = {
+        **areas_read(contact_areas(result, subcell=located)),
+        "density_at_zero": density_at_zero(result).reduced * unit,
         "patches": patches.count,
         "patch_size": patches.mean_size,
         "cells_per_patch": float(sizes[half] / cell) if sizes.size else 0.0,
@@ -318,14 +298,16 @@ def _read_off(result: ContactResult, *, located: bool) -> dict[str, float]:
         "seconds": result.cost.cpu_seconds,
         "peak_bytes": result.cost.peak_bytes,
     }
-
-
-def _stiffness(result: ContactResult, problem: ContactProblem, *, tolerance: float) -> float:
-    """K h_rms / p0 of the frozen contact; endless for a half-space in full contact."""
-    if result.in_contact.all():
-        return math.inf
-    frozen = frozen_contact(result, HalfSpace(solid=problem.elastic), tolerance=tolerance, threads=1)
-    return frozen.stiffness * problem.field.rms_height / result.mean_pressure
+    if "stiffness" in keep and result.in_contact.all():
+        numbers["stiffness"] = math.inf
+    elif "stiffness" in keep:
+        # Off by the square of the tolerance, .6 of that at worst.
+        tolerance = 1e-3 if "slope" in keep else 1e-9
+        frozen = frozen_contact(result, HalfSpace(solid=problem.elastic), tolerance=tolerance, threads=1)
+        numbers["stiffness"] = frozen.stiffness * problem.field.rms_height / result.mean_pressure
+    if "slope" in keep:
+        numbers["slope"] = window_slope(result).reduced * unit**2
+    return numbers | (histograms_of(result, problem) if "distributions" in keep else {})
 
 
 def areas_read(areas: ContactAreas) -> dict[str, float]:

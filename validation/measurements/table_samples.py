@@ -17,7 +17,7 @@ from validation.arrays import Array
 from validation.errors import UsageError
 from validation.execution.measurement import Call
 from validation.measurements.control_variates import unsolved_pairs
-from validation.measurements.ensemble import Chained
+from validation.measurements.ensemble import Chained, common_error
 from validation.measurements.limits import ABSENT, Measured
 from validation.measurements.measurement import (
     TOLERANCES_LEFT,
@@ -82,13 +82,11 @@ class SampledSpectrum:
             for k, last in enumerate(lasts)
             for inverted in (False, True)
         }
+        looked = partial(unsolved_pairs, problem=self.base, grid=grids[0])
         coarsest = self.pairs[0]
-        further = {"first": len(lasts), "count": coarsest * self.unsolved}
-        looked = {"coarsest": {"first": lasts.index(0), "count": coarsest}, "further": further}
-        return calls | {
-            (name,): unsolved_pairs(problem=self.base, grid=grids[0], **which)
-            for name, which in looked.items()
-        }
+        calls["coarsest",] = looked(first=lasts.index(0), count=coarsest)
+        calls["further",] = looked(first=len(lasts), count=coarsest * self.unsolved)
+        return calls
 
     @cached_property
     def _gradient(self) -> float:
@@ -96,15 +94,15 @@ class SampledSpectrum:
         assert isinstance(surface, SelfAffineSurface)
         return float(spectrum_of(surface).m2() ** 0.5)
 
-    def _wanted(self, data: xr.Dataset) -> Array:
-        """p* by the gradient of a surface where that by the gradient of C(q) is one of the loads."""
-        wanted: Array = np.asarray(self.loads) * self._gradient / data.attrs["rms_gradient"]
-        return wanted
+    def _by_spectrum(self, data: xr.Dataset, grid: int, **how: Any) -> Array:
+        """Areas at p* by the gradient of a surface where that by the gradient of C(q) is one of the loads."""
+        wanted = np.asarray(self.loads) * self._gradient / data.attrs["rms_gradient"]
+        return at_loads(self._values(data, "area", grid), loads=self.loads, targets=wanted, **how)
 
     def _values(self, data: xr.Dataset, name: str, grid: int) -> Array:
         """Return a quantity of a surface on one grid over the loads; the area by its limit where the grids allow one."""
         if name == BY_SPECTRUM:
-            return at_loads(self._values(data, "area", grid), loads=self.loads, targets=self._wanted(data))
+            return self._by_spectrum(data, grid)
         if name == "area" and (grid >= 2 or grid == len(self.pairs) - 1 > 0):
             return area_limits(data.isel(grid=slice(0, grid + 1)))[0]
         on_grid, periods = data.isel(grid=grid), self.base.lengths[0] / self.base.longest
@@ -117,10 +115,10 @@ class SampledSpectrum:
         if len(self.pairs) == 1:
             return np.full(len(self.loads), np.nan)
         if name in ("area", BY_SPECTRUM):
-            errors = [area_limits(data)[1] for data in finest]
-        else:
-            errors = [(self._values(data, name, -1) - self._values(data, name, -2)) / 2 for data in finest]
-        return np.asarray(1.96 * np.sqrt(np.mean(np.square(errors), axis=0)))
+            return common_error([area_limits(data)[1] for data in finest])
+        return common_error(
+            [(self._values(data, name, -1) - self._values(data, name, -2)) / 2 for data in finest]
+        )
 
     def reduced(self, measured: Measured) -> xr.Dataset:
         """Reduce the results of `cases`: the controlled mean of each quantity over (reduced_pressure), with its errors.
@@ -128,31 +126,24 @@ class SampledSpectrum:
         ``saving`` is the time of plain means of the same interval over the time spent;
         ``area_by_spectrum_reading`` what the interpolation to these loads leaves, a part of the grids' error.
         """
-        coarsest, further = measured["coarsest",], measured["further",]
         ending = [
             [data for case, data in measured.items() if case[0] == last] for last in range(len(self.pairs))
         ]
-        chained = Chained(
-            unsolved=coarsest.value.values,
-            further=further.value.values,
-            unsolved_seconds=float(coarsest.attrs["seconds"]) + float(further.attrs["seconds"]),
-            seconds=[np.array([d.seconds.sum(("grid", "shift")).values for d in group]) for group in ending],
+        chained = Chained.of(
+            [measured["coarsest",]],
+            [measured["further",]],
+            [np.array([d.seconds.sum(("grid", "shift")).values for d in group]) for group in ending],
         )
-        at = {"reduced_pressure": list(self.loads)}
-        data = xr.Dataset(coords=at)
-
-        def over_loads(values: ArrayLike) -> xr.DataArray:
-            return xr.DataArray(values, dims="reduced_pressure", coords=at)
-
+        over_loads = partial(
+            xr.DataArray, dims="reduced_pressure", coords={"reduced_pressure": list(self.loads)}
+        )
         # Cubic splines beside monotone cubics.
-        differences = []
-        for surface in ending[0]:
-            case: dict[str, Any] = {"loads": self.loads, "targets": self._wanted(surface)}
-            areas = self._values(surface, "area", 0)
-            differences.append(
-                at_loads(areas, **case) - at_loads(areas, **case, interpolator=PchipInterpolator)
-            )
+        differences = [
+            self._by_spectrum(surface, 0) - self._by_spectrum(surface, 0, interpolator=PchipInterpolator)
+            for surface in ending[0]
+        ]
         reading = over_loads(np.abs(np.mean(differences, axis=0)))
+        data = xr.Dataset()
         for name in (*QUANTITIES, BY_SPECTRUM):
 
             def values(last: int, grid: int, name: str = name) -> Array:
@@ -214,20 +205,19 @@ def with_size(table: xr.Dataset, small: xr.Dataset, larger: xr.Dataset) -> xr.Da
     def flat(values: xr.DataArray) -> Array:
         return values.transpose(..., *dims).values.reshape(small.sizes["reduced_pressure"], -1)
 
-    claimed, here, there = table, plane(small), plane(table)
+    claimed = table
     for name in QUANTITIES:
         widths = [part[f"{name}_error"].sel(source="surfaces", drop=True) for part in (small, larger)]
         # Nothing gives way in full contact, on samples of any size.
         scale = abs(small[name]).where(small[name] != 0, 1.0)
         weight = flat(((widths[0] ** 2 + widths[1] ** 2) / scale**2).clip(min=_SURE**2) ** -1.0)
         # So that cells without a scatter leave the others a say.
-        weight = np.minimum(weight, 1e6 * np.median(weight, axis=1, keepdims=True))
-        change = flat((larger[name] - small[name]) / scale)
-        normal = np.einsum("ca,lc,cb->lab", here, weight, here)
-        inverse = np.linalg.pinv(normal, rcond=1e-12, hermitian=True)
-        found = np.einsum("lab,cb,lc->la", inverse, here, weight * change) @ there.T
-        half = np.einsum("ca,lab,cb->lc", there, inverse, there) ** 0.5
+
+        root = np.minimum(weight, 1e6 * np.median(weight, axis=1, keepdims=True))[..., None] ** 0.5
+        change = flat((larger[name] - small[name]) / scale)[..., None]
+        # Values of the plane in the cells of the table, of those in the cells that were doubled.
+        across = plane(table) @ np.linalg.pinv(plane(small) * root, rcond=1e-6)
         like = table[name].transpose(..., *dims)
-        size = abs(like) * (2 * abs(found) + half).reshape(like.shape)
-        claimed = claim(claimed, name, size=size)
+        size = 2 * abs(across @ (root * change))[..., 0] + np.linalg.norm(across, axis=-1)
+        claimed = claim(claimed, name, size=abs(like) * size.reshape(like.shape))
     return claimed.assign_attrs(larger_periods=larger.attrs["periods"])
