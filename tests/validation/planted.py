@@ -7,7 +7,7 @@ import numpy as np
 import xarray as xr
 
 from fem_contact import area_error
-from validation.measurements.distributions import PATCH_EDGES, STRESS_EDGES
+from validation.measurements.measurement import PATCH_EDGES, STRESS_EDGES
 
 #: Student's factor of 95 % intervals, by number of samples (printed tables).
 STUDENT = {2: 12.7062047364, 3: 4.30265272991, 4: 3.18244630528}

@@ -11,7 +11,7 @@ from validation.effects.adhesion import Adhesion
 from validation.effects.base import full_contact_energy
 from validation.execution.bench import Bench, PlannedOnly
 from validation.measurements.adhesive import STRESS_EDGES, readings, sticky_contact
-from validation.measurements.distributions import largest_difference
+from validation.measurements.statistics import kolmogorov_smirnov
 from validation.studies import adhesive_magnification as study
 
 OPTIONS = study.Options(**STUDIES["adhesive-magnification"])
@@ -130,7 +130,7 @@ def test_stresses_of_the_theory_fill_their_bins_with_its_area(data):
 def test_stresses_of_all_surfaces_are_one_sample_and_their_distance_is_that_of_kolmogorov(data):
     own = data.isel(told=0, magnification=1)
     pooled, theirs = (own[f"stress_share{end}_each"].sum("surface").values for end in ("", "_old"))
-    assert_allclose(own.stress_distance_old, largest_difference(pooled, theirs), rtol=1e-12)
+    assert_allclose(own.stress_distance_old, kolmogorov_smirnov(pooled, theirs), rtol=1e-12)
     assert float(own.stress_density.sum()) * np.diff(STRESS_EDGES)[0] == pytest.approx(1, rel=1e-12)
 
 

@@ -10,9 +10,15 @@ from scipy.special import ndtr, stdtrit
 
 from persson import elastic, solve_diffusion
 from validation.measurements import diffusion, limits, rings
-from validation.measurements.budgets import Memory, Pressed, budget, composed_inflow, diffused_area
 from validation.measurements.common import base_case, base_surface
-from validation.measurements.rings import ring_ends
+from validation.measurements.rings import (
+    Pressed,
+    budget,
+    composed_inflow,
+    diffused_area,
+    memory,
+    ring_ends,
+)
 from validation.report.estimates import derive, mean, ratio_of_means
 from validation.studies import autopsy
 
@@ -156,23 +162,15 @@ def test_persson_s_own_distribution_goes_on_as_if_nothing_had_happened():
     assert area == pytest.approx(float(elastic.contact_area(0.4, stress_variance=2.0)), rel=1e-3)
 
 
-def states(*rows):
-    """States of five points, x in contact."""
-    contact = [np.array([letter == "x" for letter in row]) for row in rows]
-    return [Pressed(pressure=flags.astype(float), in_contact=flags) for flags in contact]
-
-
 def test_memory_counts_returns_by_the_rings_since_leaving():
-    first, *later = states("xxx..", "x.x..", "x...x", "xxx..")
-    memory = Memory(first, steps=3)
-    for state in later:
-        memory.add(state, unit=1.0)
+    rows = ("xxx..", "x.x..", "x...x", "xxx..")
+    found = memory([np.array([letter == "x" for letter in row]) for row in rows])
     # Out when a ring began: never in contact 2 + 2 + 1; left one ring ago 1 + 1; two rings ago 1.
-    assert memory.out.tolist() == [5, 2, 1, 0]
-    assert memory.returned.tolist() == [1, 1, 1, 0]
-    assert memory.crossed == pytest.approx(2 / 3)
-    assert memory.out_at.tolist() == pytest.approx([0, 1 / 3, 2 / 3, 0])
-    assert memory.two_step == pytest.approx([1 / 5, 1 / 5])
+    assert found["points_out"][1].tolist() == [5, 2, 1, 0, 0]
+    assert found["points_returned"][1].tolist() == [1, 1, 1, 0, 0]
+    assert found["contact_crossed"] == pytest.approx(2 / 3)
+    assert found["contact_out"][1] == pytest.approx([0, 1 / 3, 2 / 3, 0])
+    assert found["inflow"][1] == pytest.approx([1 / 5, 1 / 5])
 
 
 def test_without_memory_two_rings_compose():

@@ -22,7 +22,7 @@ from validation.execution.store import check_store
 from validation.measurements.common import base_surface
 from validation.measurements.control_variates import unsolved_pairs
 from validation.measurements.ensemble import area_pairs
-from validation.measurements.grid_roughness import grid_roughness
+from validation.measurements.grids import grid_roughness
 from validation.measurements.measurement import press_on_grids
 from validation.report.estimates import shown_sources, total_error
 from validation.scenes.problem import ContactProblem

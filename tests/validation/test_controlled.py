@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from validation.measurements.controlled import Known, chained_mean, controlled_mean
+from validation.measurements.control_variates import Known, chained_mean, controlled_mean
 from validation.measurements.ensemble import Chained
 from validation.report.estimates import mean_of
 

@@ -12,13 +12,13 @@ from fem_contact import HalfSpace, HeightField, Solid, bem
 from validation.execution.bench import Bench, PlannedOnly
 from validation.execution.press import Press
 from validation.execution.solve import LOCATED_EDGES
-from validation.measurements import distributions, edge, magnified, measurement
+from validation.measurements import edge, flow, measurement
 from validation.measurements.adhesive import sticky_contact
 from validation.measurements.by_solver import beside_bem
 from validation.measurements.common import base_case, base_surface
 from validation.measurements.edge import edge_of_contact
 from validation.measurements.flow import leaks
-from validation.measurements.grid_roughness import down_to_grid
+from validation.measurements.grids import down_to_grid
 from validation.studies import find_study
 
 PRESSED = base_case(base_surface(hurst=0.8, periods=2.0, bandwidth=4.0, seed=23), reduced_pressure=0.05)
@@ -132,12 +132,12 @@ def turned(width):
     ("read", "width"),
     [
         (
-            lambda one: distributions.histograms_of(one, SimpleNamespace(pressure_scale=2.0, shortest=0.4)),
+            lambda one: measurement.histograms_of(one, SimpleNamespace(pressure_scale=2.0, shortest=0.4)),
             1.5,
         ),
         (lambda one: {"square": edge.inverse_square_coefficient(one)}, 1.5),
         (lambda one: measurement._read_off(one, PRESSED, (), located=False), 1.5),
-        (lambda one: magnified._read_off(one, one, unit=0.01), 2.0),  # of square cells alone
+        (lambda one: flow._read_off(one, one, unit=0.01), 2.0),  # of square cells alone
     ],
     ids=["histograms", "edge", "measured", "magnified"],
 )

@@ -26,7 +26,7 @@ from planted import (
 from solving import persson_area
 
 from validation.measurements import adhesive, limits, ways
-from validation.measurements.load_path import SHARES
+from validation.measurements.limits import SHARES
 from validation.measurements.measurement import area_limits, truncated_heights
 from validation.report.estimates import NORMAL, total_error
 from validation.studies import (

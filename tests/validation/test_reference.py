@@ -22,8 +22,7 @@ from validation import reference
 from validation.errors import UsageError
 from validation.execution.bench import Bench
 from validation.measurements.common import base_case, base_surface
-from validation.measurements.control_variates import unsolved_statistics
-from validation.measurements.controlled import Known, chained_mean
+from validation.measurements.control_variates import Known, chained_mean, unsolved_statistics
 from validation.measurements.ensemble import _Drawn, mean_area
 from validation.measurements.limits import limits_of
 from validation.measurements.measurement import grid_for, grids_for, press_on_grids

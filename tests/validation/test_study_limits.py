@@ -15,9 +15,9 @@ from persson import contact_area, stress_variance
 from validation.audit.reductions import recomputed
 from validation.measurements.common import base_case, base_surface
 from validation.measurements.convergence import bandwidth_order, fitted_line, line
-from validation.measurements.distributions import distance_to_reference
 from validation.measurements.edge import inverse_square_coefficient, window_slope
 from validation.measurements.measurement import grid_for, press_on_grids
+from validation.measurements.statistics import distance_to_reference
 from validation.measurements.theory import ensemble_area, modes_finding
 from validation.scenes.surfaces import spectrum_of
 from validation.scenes.tables import SolidSpec

@@ -15,12 +15,10 @@ from persson import constant_hardness
 from validation.effects.base import full_contact_energy
 from validation.measurements.common import base_case, base_surface
 from validation.measurements.convergence import at_equal, fitted_line, spectral_errors
-from validation.measurements.distributions import largest_difference, weighted_percentile
 from validation.measurements.edge import edge_limits, start_of_pressure
-from validation.measurements.grid_roughness import rms_slopes
-from validation.measurements.grids import observed_order
+from validation.measurements.grids import observed_order, rms_slopes
 from validation.measurements.measurement import press_on_grids, pressed_path, truncated_heights
-from validation.measurements.statistics import order_of_convergence
+from validation.measurements.statistics import kolmogorov_smirnov, order_of_convergence, weighted_percentile
 from validation.measurements.theory import Waves, ensemble_area
 from validation.report.estimates import claim, error_of, total_error
 from validation.scenes.surfaces import spectrum_of
@@ -187,8 +185,8 @@ def test_the_energy_of_a_measurement_at_full_contact_is_the_sum_over_waves(flatt
 
 def test_distances_of_distributions_do_not_depend_on_how_many_were_counted():
     one, two = np.array([1.0, 1.0, 2.0]), np.array([1.0, 2.0, 1.0])
-    assert largest_difference(one, two) == pytest.approx(0.25, rel=1e-12)
-    assert largest_difference(7 * one, two) == pytest.approx(0.25, rel=1e-12)
+    assert kolmogorov_smirnov(one, two) == pytest.approx(0.25, rel=1e-12)
+    assert kolmogorov_smirnov(7 * one, two) == pytest.approx(0.25, rel=1e-12)
     edges = np.array([1.0, 10.0, 100.0, 1000.0])
     assert weighted_percentile(9 * one, edges, 0.5) == pytest.approx(100.0, rel=1e-12)
 

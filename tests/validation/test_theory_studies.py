@@ -8,7 +8,7 @@ from solving import persson_area
 
 from validation.errors import UsageError
 from validation.execution.results import show, write_results
-from validation.measurements.load_path import moved_shares
+from validation.measurements.limits import moved_shares
 from validation.studies import find_study, hurst, magnification, pressure, theory_verdict
 from validation.studies._outputs import study_page
 from validation.theories.predicted import COMPARED

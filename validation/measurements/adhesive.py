@@ -144,13 +144,13 @@ def sticky_contact(
     # Hardly any attraction is a long way from full contact, and holds nothing there.
     if work > _HOLDS * full.sum():
         held = adhesion.solve(field, half_space, start=np.zeros(field.shape), **load).contact.checked()
-        parted = float(held.in_contact.mean())
+        parted = held.in_contact.mean()
     return xr.Dataset(
         {
-            "area": float(inside.mean()),
-            "plain": float(plain.in_contact.mean()),
-            "force": float(np.mean(contact.pressure * inside)) / problem.pressure,
-            "tension": float(np.mean(stress < 0)) if stress.size else 0.0,
+            "area": inside.mean(),
+            "plain": plain.in_contact.mean(),
+            "force": np.mean(contact.pressure * inside) / problem.pressure,
+            "tension": np.mean(stress < 0) if stress.size else 0.0,
             "gap": contact.mean_gap / problem.field.rms_height,
             "parted": parted,
             "stress": ("stress_bin", shares / inside.size),
@@ -164,10 +164,9 @@ def sticky_contact(
 def _by_shell(field: HeightField, displacement: Array, *, modulus: float, shells: tuple[float, ...]) -> Array:
     """Elastic energy [J/m^2] of the waves up to each of `shells` and beyond the last, sum E* q |u|^2 / 4."""
     qx, qy, power = wave_powers(displacement, field.spacing)
-    q, edges = np.hypot(qx, qy), np.array(shells) * (1 + 1e-9)
-    energy = modulus / 4 * (q * power).ravel()
-    shell = np.searchsorted(edges, q.ravel())
-    return np.asarray(np.bincount(shell, weights=energy, minlength=edges.size + 1), dtype=float)
+    q = np.hypot(qx, qy).ravel()
+    shell = np.searchsorted(np.array(shells) * (1 + 1e-9), q)
+    return np.bincount(shell, weights=modulus / 4 * q * power.ravel(), minlength=len(shells) + 1)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -234,7 +233,7 @@ def _seen(contact: AdhesiveContact | None, problem: ContactProblem) -> dict[str,
     q, at = 2 * np.pi / problem.shortest, np.log(contact.wavevectors)
     node = int(np.argmin(np.abs(at - np.log(q))))
     force, stored = (
-        float(np.interp(np.log(q), at, values)) for values in (contact.contact_force, contact.elastic_energy)
+        np.interp(np.log(q), at, values) for values in (contact.contact_force, contact.elastic_energy)
     )
     x, weights = np.polynomial.legendre.leggauss(6)
     unit, width = problem.pressure_scale, np.diff(STRESS_EDGES)
@@ -243,10 +242,10 @@ def _seen(contact: AdhesiveContact | None, problem: ContactProblem) -> dict[str,
     full = full_contact_energy(problem.field, modulus=problem.contact_modulus)
     below = shares[STRESS_EDGES[1:] <= 1e-12].sum()
     return {
-        "area": float(contact.area_at(q)),
+        "area": contact.area_at(q),
         "force_inside": force / problem.pressure,
-        "energy_ratio": (float(contact.elastic_energy[0]) - stored) / full,
-        "tension": float(below / shares.sum()),
+        "energy_ratio": (contact.elastic_energy[0] - stored) / full,
+        "tension": below / shares.sum(),
         "stress_share": shares,
     }
 

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import replace
-from typing import Any
+from functools import partial
 
 import numpy as np
-import scipy.ndimage
 import xarray as xr
 
 from fem_contact.area import EDGE_CONSTANTS, contact_areas
@@ -18,13 +17,13 @@ from validation.arrays import Grid
 from validation.effects.base import ContactModel
 from validation.execution.measurement import measurement
 from validation.execution.press import Press
-from validation.execution.solve import Prediction
+from validation.measurements.edge import distance_to_outside
 from validation.measurements.measurement import areas_read, has_square_cells
 from validation.measurements.statistics import relative_distance
 from validation.scenes.problem import ContactProblem
 from validation.scenes.scene import EffectSpec
 from validation.solvers import find_solver
-from validation.solvers.base import Settings, Solver
+from validation.solvers.base import Settings
 
 #: Points closer than this to the edge of either contact, in cells, are left out of the second pressure difference.
 _EDGE_CELLS = 1.5
@@ -33,25 +32,15 @@ _EDGE_CELLS = 1.5
 _TOLERANCES = tuple(10.0**-k for k in range(2, 12))
 
 
-def _predicted(
-    problem: ContactProblem,
-    grid: Grid,
-    method: str,
-    settings: Settings,
-    effects: tuple[EffectSpec, ...],
-    pair_seconds: float,
-) -> Prediction:
-    """Predict what the method costs, told by name what `beside_bem` is; boundary elements beside it are cheap."""
-    press = Press(method=method, grid=grid, problem=problem, settings=settings, effects=effects)
-    return press.predict(pair_seconds=pair_seconds)
-
-
 @measurement(
     "beside-{method}-{size}",
     kind="ByMethod",
     words="{method}",
     located=True,
-    predict=_predicted,
+    # Boundary elements beside the method are cheap.
+    predict=lambda problem, grid, method, settings, effects, pair_seconds: Press(
+        method=method, grid=grid, problem=problem, settings=settings, effects=effects
+    ).predict(pair_seconds=pair_seconds),
     compiled=lambda method, settings, effects: (("bem", {}, effects), (method, dict(settings), effects)),
 )
 def beside_bem(
@@ -78,20 +67,11 @@ def beside_bem(
         part of the grid error from the converged count: equal error, not equal residual. Its memory is that
         of a process of its own, its located area read off by the code that reads ours.
     """
-    field, solver, given = problem.heights(grid), find_solver(method), dict(settings)
+    field, solver, bem, given = problem.heights(grid), find_solver(method), find_solver("bem"), dict(settings)
     model = ContactModel.filled(problem.elastic, effects)
-
-    def solved(by: Solver, options: Mapping[str, Any], on: ContactModel = model) -> ContactResult:
-        return by.pressed(field, on, problem.pressure, **options)
-
-    bem = find_solver("bem")
-    ours = solved(bem, {}).checked()
-    if grid_share is None:
-        contact = solved(solver, given)
-    else:
-        contact = _as_good_as_its_grid(
-            lambda tolerance: solved(solver, {**given, "tolerance": tolerance}), ours, grid_share
-        )
+    ours = bem.pressed(field, model, problem.pressure).checked()
+    press = partial(solver.pressed, field, model, problem.pressure, **given)
+    contact = press() if grid_share is None else _as_good_as_its_grid(press, ours, grid_share)
     constant = solver.edge_constant(contact)
     located = (solver.locates_edges or grid_share is not None) and not effects
     located = located and has_square_cells(problem, grid)
@@ -114,7 +94,8 @@ def beside_bem(
     if layer:
         depth = float(given.get("depth", max(problem.lengths)))
         response = BondedLayer(solid=problem.elastic, thickness=depth)
-        deep = solved(bem, {}, ContactModel(solid=problem.elastic, response=response)).checked()
+        layered = ContactModel(solid=problem.elastic, response=response)
+        deep = bem.pressed(field, layered, problem.pressure).checked()
         data["pixel_layer"] = contact_areas(deep).pixel
         data["pressure_layer"] = difference(contact.checked(), deep)
     if grid_share is not None:
@@ -123,7 +104,7 @@ def beside_bem(
 
 
 def _as_good_as_its_grid(
-    solved: Callable[[float], ContactResult], ours: ContactResult, grid_share: float
+    press: Callable[..., ContactResult], ours: ContactResult, grid_share: float
 ) -> ContactResult:
     """Return the answer to the loosest tolerance at which the area is off by `grid_share` of what its grid is.
 
@@ -132,9 +113,9 @@ def _as_good_as_its_grid(
     """
     areas, most = contact_areas(ours), 0
     sandbox.end()  # its memory shall be its own
-    solved(_TOLERANCES[0])  # not charged with what it imports
+    press(tolerance=_TOLERANCES[0])  # not charged with what it imports
     for tolerance in _TOLERANCES:
-        contact = solved(tolerance)
+        contact = press(tolerance=tolerance)
         most = max(most, contact.cost.peak_bytes)
         missed = abs(contact_areas(contact).pixel - areas.pixel)
         if missed <= grid_share * EDGE_CONSTANTS["bem"] * areas.edge_fraction:
@@ -145,14 +126,6 @@ def _as_good_as_its_grid(
 def difference(first: ContactResult, second: ContactResult, *, inside: bool = False) -> float:
     """||p1 - p2|| / ||p2||, over all points or away from the edges of both contacts."""
     keep = np.ones(first.shape, dtype=bool)
-    if inside:
-        keep = _away_from_edge(first.in_contact) & _away_from_edge(second.in_contact)
+    for contact in (first.in_contact, second.in_contact) if inside else ():
+        keep &= sum(distance_to_outside(part, margin=3) for part in (contact, ~contact)) > _EDGE_CELLS
     return relative_distance(first.pressure[keep], second.pressure[keep])
-
-
-def _away_from_edge(contact: np.ndarray) -> np.ndarray:
-    margin = 3
-    padded = np.pad(contact, margin, mode="wrap")
-    distance = scipy.ndimage.distance_transform_edt
-    to_edge = distance(padded) + distance(~padded)
-    return to_edge[margin:-margin, margin:-margin] > _EDGE_CELLS

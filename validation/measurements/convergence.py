@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
@@ -88,12 +89,10 @@ def fitted_line(samples: Iterable[ArrayLike], x: ArrayLike, *, common: bool = Fa
     if not all(np.isfinite(group).all() for group in groups):
         return Line(*[math.nan] * len(Line._fields))
     values, scatter = _least_squares(groups, at, common=common)
-    drift = np.zeros(2)
-    if at.size > 2:
-        drift = abs(_least_squares(groups[1:], at[1:], common=common)[0] - values)
+    later = _least_squares(groups[1:], at[1:], common=common)[0] if at.size > 2 else values
     span = abs(at[0] - at[-1])
     reach = abs(at[-1]) / span if span > 0 else math.inf
-    return Line(*map(float, (*values, *scatter, *drift, reach)))
+    return Line(*map(float, (*values, *scatter, *abs(later - values), reach)))
 
 
 def _least_squares(samples: Sequence[Array], x: Array, *, common: bool) -> tuple[Array, Array]:
@@ -114,15 +113,7 @@ def _least_squares(samples: Sequence[Array], x: Array, *, common: bool) -> tuple
 
 
 def line(
-    data: xr.Dataset,
-    name: str,
-    *,
-    x: str,
-    along: str,
-    over: str,
-    common: bool,
-    pairs: bool,
-    drift: str,
+    data: xr.Dataset, name: str, *, x: str, along: str, over: str, common: bool, pairs: bool, drift: str
 ) -> xr.Dataset:
     """Add the line through means, ``x_each`` against a variable that goes to zero: its limit and slope with intervals.
 
@@ -181,11 +172,9 @@ def at_equal(data: xr.Dataset, name: str, *, x: str, along: str) -> xr.Dataset:
     """
     values, at = data[f"{name}_each"], data[x].transpose(..., along)
     common = float(at.isel({along: -1}).min())
-    weights = xr.zeros_like(at) * np.nan
-    if common >= float(at.isel({along: 0}).max()):
-        units = np.eye(at.sizes[along])
-        rows = [[np.interp(np.log(common), np.log(row), unit) for unit in units] for row in at.values]
-        weights = at.copy(data=np.array(rows))
+    units = np.eye(at.sizes[along])
+    rows = [[np.interp(np.log(common), np.log(row), unit) for unit in units] for row in at.values]
+    weights = at.copy(data=np.array(rows)).where(common >= at.isel({along: 0}).max())
     made = {"reduction": "interpolation", "of": f"{name}_each", "x": x, "along": along}
     added: dict[str, Any] = {
         f"{name}_equal_each": (values * weights).sum(along, skipna=False).drop_attrs().assign_attrs(made),
@@ -265,20 +254,18 @@ class Ladders:
     def cases(self) -> dict[_Case, Call]:
         """All solves in order; surfaces 2k and 2k + 1 are +h and -h."""
         calls: dict[_Case, Call] = {}
-        for i, hurst in enumerate(self.hursts):
-            for bandwidth in self.bandwidths:
-                solves = self._pressed(hurst, self.periods, bandwidth, self.pairs)
-                calls |= {("by_bandwidth", i, bandwidth, k): solve for k, solve in enumerate(solves)}
-            for size in self.sizes:
-                pairs = max(2, round(self.pairs * (self.sizes[-1] / size) ** 2))
-                solves = self._pressed(hurst, size, self.bandwidths[0], pairs)
-                calls |= {("by_size", i, size, k): solve for k, solve in enumerate(solves)}
-        return calls
-
-    def _pressed(self, hurst: float, periods: float, bandwidth: float, pairs: int) -> list[Call]:
-        surface = base_surface(hurst=hurst, periods=periods, bandwidth=bandwidth, seed=self.seed)
+        rungs = [("by_bandwidth", of, self.periods, of, self.pairs) for of in self.bandwidths]
+        for size in self.sizes:
+            pairs = max(2, round(self.pairs * (self.sizes[-1] / size) ** 2))
+            rungs.append(("by_size", size, size, self.bandwidths[0], pairs))
         loads, per_wave = (self.reduced_pressure,), self.points_per_wave
-        return pressed_pairs(surface, loads, per_wave, pairs=pairs, shifts=self.shifts)
+        for (i, hurst), (kind, rung, periods, bandwidth, pairs) in itertools.product(
+            enumerate(self.hursts), rungs
+        ):
+            surface = base_surface(hurst=hurst, periods=periods, bandwidth=bandwidth, seed=self.seed)
+            solves = pressed_pairs(surface, loads, per_wave, pairs=pairs, shifts=self.shifts)
+            calls |= {(kind, i, rung, k): solve for k, solve in enumerate(solves)}
+        return calls
 
     def reduced(self, measured: Measured) -> xr.Dataset:
         """Reduce the results of `cases`: kappa and Nayak's parameter on every rung, and the lines through the rungs.
@@ -299,10 +286,14 @@ class Ladders:
         (rung, source), over = LADDERS[kind], f"surface_{kind}"
         common = kind == "by_bandwidth"
         parts = {case[1:]: limits_of(data) for case, data in measured.items() if case[0] == kind}
+        names = {
+            "area_each": f"area_{kind}_each",
+            "nayak_each": f"nayak_{kind}_each",
+            "solve": f"solve_{kind}",
+        }
+        names |= {f"area_each_{what}": f"area_{kind}_each_{what}" for what in ("error", "drift")}
         data = gather(parts, "ladder", rung, over).isel(load=0, drop=True).drop_vars("ladder")
-        data = data[["area_each", "area_each_error", "area_each_drift", "nayak_each", "solve"]]
-        names = {name: str(name).replace("_each", f"_{kind}_each") for name in data.data_vars}
-        data = data.rename(names | {"solve": f"solve_{kind}"})
+        data = data[[*names]].rename(names)
         data[f"order_{kind}"] = "ladder", [bandwidth_order(h) if common else SIZE_ORDER for h in self.hursts]
         data["reduced_pressure_ladder"] = self.reduced_pressure
         kappa, area = f"kappa_{kind}", f"area_{kind}_each"

@@ -76,7 +76,7 @@ def budgets_of(bench: Bench, cases: Mapping[tuple[float, float, int, float], Cal
         zeta = dict(cases[place].arguments).get("magnification")
         shortest = problem.shortest if zeta is None else problem.longest / zeta
         read[place] = stored_variables(measured).assign_coords(
-            points=points, cells=points**2, points_per_wave=float(points * shortest / problem.lengths[0])
+            points=points, cells=points**2, points_per_wave=points * shortest / problem.lengths[0]
         )
     data = gather(read, *dims)
     others = [str(dim) for dim in data.pixel.dims if dim != "grid"]
@@ -158,6 +158,10 @@ def _late(values: xr.DataArray, data: xr.Dataset) -> xr.DataArray:
     return values.isel(octave=np.flatnonzero(late) if late.any() else [-1]).mean("octave")
 
 
+def _log(values: xr.DataArray) -> xr.DataArray:
+    return values.copy(data=np.log(values.values))
+
+
 def _ends(values: xr.DataArray) -> tuple[xr.DataArray, xr.DataArray]:
     values = values.rename(level="step")
     return values.isel(step=slice(0, -1)), values.isel(step=slice(1, None))
@@ -220,7 +224,7 @@ def _with_area_budget(data: xr.Dataset) -> xr.Dataset:
     net = two_grid_limit(data.area_entered_each - data.area_lost_each, data.grid_spacing)
     area, both = _both_signs(data)
     located, counted, persson = (
-        _by_octave(data, np.log(ratio)) / _by_octave(data, np.log(after / before))
+        _by_octave(data, _log(ratio)) / _by_octave(data, _log(after / before))
         for ratio in (both / area, 1 + net / area, theory[1] / theory[0])
     )
     partial = persson < TOUCHED
@@ -249,8 +253,8 @@ def _with_restarts(data: xr.Dataset) -> xr.Dataset:
     row = xr.DataArray(octaves, dims="octave")
     share = two_grid_limit(diffused / diffused.isel(octave=row, level=began), data.grid_spacing)
     ratio = (share / (area / area.isel(level=began))).transpose("octave", ...)
-    true = np.log(area.isel(level=half) / area.isel(level=began))
-    faster = 1 + np.log(ratio.isel(octave=row, level=half)) / true.where(true < -_NO_LOSS)
+    true = _log(area.isel(level=half) / area.isel(level=began))
+    faster = 1 + _log(ratio.isel(octave=row, level=half)) / true.where(true < -_NO_LOSS)
     return _added(
         data,
         area_ratio_end_each=data.area_ratio_each.isel(level=[*began.values[1:], -1]).rename(level="octave"),
@@ -282,7 +286,7 @@ def exponents(values: xr.DataArray, steps: xr.DataArray) -> xr.DataArray:
     along, last = str(steps.dims[0]), steps.size - 1
     pairs = np.array([*itertools.pairwise(range(steps.size)), (0, last)]).T
     start, end = ({along: xr.DataArray(places, dims="step_pair")} for places in pairs)
-    rise, length = (np.log(part.isel(end) / part.isel(start)) for part in (values.where(values > 0), steps))
+    rise, length = (_log(part.isel(end) / part.isel(start)) for part in (values.where(values > 0), steps))
     powers: xr.DataArray = (rise / length).drop_vars(str(steps.name), errors="ignore")
     return powers.transpose("step_pair", ...)
 
@@ -305,7 +309,7 @@ def _with_flows(data: xr.Dataset) -> xr.Dataset:
         for name, of in _FLOWS.items()
     }
     after = (data.area_probe_each + data.area_negative_probe_each).isel(probe_level=slice(1, None)) / 2
-    net = np.log(after.rename(probe_level="variance_step") / area) / np.log(1 + steps)
+    net = _log(after.rename(probe_level="variance_step") / area) / _log(1 + steps)
     powers = {name: exponents(flow, steps) for name, flow in flows.items()}
     data = _added(
         data,

@@ -8,12 +8,13 @@ from typing import Any
 import numpy as np
 import scipy.ndimage
 import xarray as xr
+from numpy.typing import NDArray
 
 from fem_contact.area import contact_areas
 from fem_contact.contact import ContactResult
 from fem_contact.patches import find_patches
 from fem_contact.stress import pressure_distribution
-from validation.arrays import Grid
+from validation.arrays import Array, Grid
 from validation.effects.base import ContactModel
 from validation.execution.bench import Bench
 from validation.execution.measurement import measurement
@@ -59,18 +60,16 @@ def edge_of_contact(
     edges = np.linspace(0, _TOP, _BINS + 1)
     density = pressure_distribution(result, edges * unit).density * unit
     wave = problem.shortest
-    # The counted edge is 4/pi times the true contour on average.
     areas = contact_areas(result, edge_constant=solver.edge_constant(result))
-    contour = np.pi / 4 * areas.edge_length * wave
-    excess = areas.pixel - areas.perimeter
     return xr.Dataset(
         {
             "density": ("bin", density),
-            "contour": contour,
+            # The counted edge is 4/pi times the true contour on average.
+            "contour": np.pi / 4 * areas.edge_length * wave,
             "inverse_square": inverse_square_coefficient(result) * unit**2 / wave,
             "patches": find_patches(result.in_contact, result.spacing).count,
             "area": areas.perimeter,
-            "excess": excess,
+            "excess": areas.pixel - areas.perimeter,
         },
         coords={"stress": ("bin", (edges[1:] + edges[:-1]) / 2), "upper": ("bin", edges[1:])},
     )
@@ -124,14 +123,20 @@ def inverse_square_coefficient(result: ContactResult) -> float:
     """
     contact = result.in_contact
     if contact.all() or not contact.any():
-        return float("nan")
-    dx = float(np.sqrt(result.spacing[0] * result.spacing[1]))
-    margin = int(_FAR) + 2
-    padded = np.pad(contact, margin, mode="wrap")
-    distance = scipy.ndimage.distance_transform_edt(padded, sampling=result.spacing)
-    inside = distance[margin:-margin, margin:-margin] - dx / 2
+        return np.nan
+    dx = np.sqrt(result.spacing[0] * result.spacing[1])
+    inside = distance_to_outside(contact, margin=int(_FAR) + 2, spacing=result.spacing) - dx / 2
     ring = contact & (inside > _NEAR * dx) & (inside < _FAR * dx)
-    return float(np.mean(inside[ring] / result.pressure[ring] ** 2)) if ring.any() else np.nan
+    return np.mean(inside[ring] / result.pressure[ring] ** 2) if ring.any() else np.nan
+
+
+def distance_to_outside(
+    points: NDArray[np.bool_], *, margin: int, spacing: tuple[float, float] = (1.0, 1.0)
+) -> Array:
+    """Distance from each of some points of a period to the nearest other, right up to `margin` cells; 0 for the others."""
+    padded = np.pad(points, margin, mode="wrap")
+    distance: Array = scipy.ndimage.distance_transform_edt(padded, sampling=spacing)
+    return distance[margin:-margin, margin:-margin]
 
 
 def start_of_pressure(

@@ -19,8 +19,13 @@ from validation.errors import NoLimit
 from validation.execution.bench import Bench
 from validation.execution.measurement import Call, measurement
 from validation.execution.solve import PAIR_SECONDS, Prediction
-from validation.measurements.control_variates import unsolved_pairs
-from validation.measurements.controlled import Controlled, Known, allocation, chained_mean
+from validation.measurements.control_variates import (
+    Controlled,
+    Known,
+    allocation,
+    chained_mean,
+    unsolved_pairs,
+)
 from validation.measurements.limits import solved
 from validation.measurements.measurement import TOLERANCES_LEFT, area_limits, press_on_grids
 from validation.measurements.statistics import pair_means
@@ -129,7 +134,7 @@ class Chained:
         look = self.unsolved_seconds / (len(self.unsolved) + len(self.further))
         slopes = chain[0].coefficients
         explained = float(slopes @ np.cov(self.further, rowvar=False) @ slopes)
-        times = [2 * float(seconds.sum(axis=1).mean()) for seconds in self.seconds]
+        times = [2 * seconds.sum(axis=1).mean() for seconds in self.seconds]
         times[0] += look
         # The mean of a level is multiplied by the coefficients of those above it.
         above = [math.prod(mean.coefficients.item() for mean in chain[k + 1 :]) for k in range(len(chain))]
@@ -218,7 +223,7 @@ def mean_area(
         ending, chained = drawn.samples(known)
         result = _estimated(ending, chained, grids=grids, tolerance=tolerance)
         target = half_width * result.estimate.value
-        left = float(np.sqrt(max(target**2 - result.grid**2, 0.0)))
+        left = np.sqrt(max(target**2 - result.grid**2, 0.0))
         enough = result.estimate.half_width <= left or result.grid >= _GRID_SHARE * target
         if enough or rounds == _ROUNDS:
             break
@@ -257,7 +262,7 @@ def _estimated(
         grids=grids,
         pairs=tuple(pressed.sizes["load"] // 2 for pressed in ending),
         unsolved=len(chained.further),
-        scatter=float(coarse.std(ddof=1) / coarse.mean()),
+        scatter=coarse.std(ddof=1) / coarse.mean(),
         peak_bytes=int(max(pressed.peak_bytes.max() for pressed in ending)),
     )
 

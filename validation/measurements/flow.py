@@ -1,8 +1,9 @@
-"""What passes through a contact and through its gap, measured on one surface: stiffness, percolation, leak."""
+"""What passes through a contact and through its gap: stiffness, percolation, leak; the same surface as its waves are added."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from typing import Any, Literal
 
 import numpy as np
@@ -11,14 +12,16 @@ import xarray as xr
 from fem_contact.area import contact_areas
 from fem_contact.contact import ContactResult
 from fem_contact.leak import critical_gap, flow_conductance, open_gap, percolates
+from fem_contact.patches import find_patches
 from fem_contact.stress import gap_distribution
+from fem_contact.surface import HeightField
 from persson.gaps import gap_distribution as theory_of_gaps
 from persson.leakage import effective_medium
 from persson.scale import Scale
 from validation.arrays import Array, Grid
 from validation.execution.measurement import measurement
 from validation.measurements.limits import shift_means
-from validation.measurements.measurement import press_elastic
+from validation.measurements.measurement import press_elastic, stacked, without_waves_beyond
 from validation.measurements.theory import WITH_ENERGY, Waves
 from validation.scenes.problem import ContactProblem
 
@@ -76,10 +79,7 @@ def leaks(*, problem: ContactProblem, grid: Grid, areas: tuple[float, ...]) -> x
 
     What leaks there and how wide the gaps are, over (area, axis) and (area, gap_bin); thresholds (axis).
     """
-    field = problem.heights(grid)
-
-    def solve(load: float, start: Array | None) -> ContactResult:
-        return press_elastic(field, problem.elastic, load * problem.pressure_scale, start=start)
+    press = partial(press_elastic, problem.heights(grid), problem.elastic)
 
     def threshold_area(percolates: Callable[[ContactResult], bool]) -> float:
         """A/A0 at which a path closes: it is open at a light enough load, and closed at p* = 1."""
@@ -88,21 +88,18 @@ def leaks(*, problem: ContactProblem, grid: Grid, areas: tuple[float, ...]) -> x
             light_load /= 2
         return contact_at.threshold(percolates, light_load, 1.0, area=_BRACKET)[0]
 
-    contact_at = States(solve)
+    contact_at = States(lambda load, start: press(load * problem.pressure_scale, start=start))
     contacts = [contact_at.at_area(area) for area in areas]
     flows = [[_flow(contact, axis) for axis in ("x", "y")] for contact in contacts]
     height = problem.field.rms_height
-    data: dict[str, Any] = {
-        name: (("area", "axis"), [[along[name] for along in row] for row in flows]) for name in flows[0][0]
-    }
-    data |= {
+    data = stacked(flows, "area", "axis") | {
         name: ("axis", [threshold_area(open_at(axis)) for axis in ("x", "y")])
         for name, open_at in (("contact_threshold", contact_is_apart), ("gap_threshold", gap_is_open))
     }
     gaps = [gap_distribution(contact, GAP_EDGES * height).density * height for contact in contacts]
     data["gap_density"] = ("area", "gap_bin"), gaps
     data["reduced_pressure"] = "area", [one.mean_pressure / problem.pressure_scale for one in contacts]
-    data["counted"] = "area", [float(np.mean(one.in_contact)) for one in contacts]
+    data["counted"] = "area", [np.mean(one.in_contact) for one in contacts]
     return xr.Dataset(data, coords={"area": list(areas), "axis": ["x", "y"]})
 
 
@@ -155,7 +152,7 @@ def _gap_theory(loads: Array, problem: ContactProblem, ratio: float) -> Array:
     scale = Scale(problem.own_spectrum, contact_modulus=problem.contact_modulus)
     points = np.stack([GAP_EDGES[:-1], (GAP_EDGES[1:] + GAP_EDGES[:-1]) / 2, GAP_EDGES[1:]]) * height
     density = [
-        theory_of_gaps(points.ravel(), pressure=float(load), scale=scale, energy_ratio=ratio)
+        theory_of_gaps(points.ravel(), pressure=load, scale=scale, energy_ratio=ratio)
         for load in loads * problem.pressure_scale
     ]
     return np.array([1, 4, 1]) / 6 @ np.reshape(density, (-1, *points.shape)) * height
@@ -204,9 +201,9 @@ class States:
         """
         before = passes(self(low))
         while abs(located_area(self(high)) - located_area(self(low))) > area and high / low > ratio:
-            middle = float(np.sqrt(low * high))
+            middle = np.sqrt(low * high)
             low, high = (middle, high) if passes(self(middle)) == before else (low, middle)
-        return (located_area(self(low)) + located_area(self(high))) / 2, float(np.sqrt(low * high))
+        return (located_area(self(low)) + located_area(self(high))) / 2, np.sqrt(low * high)
 
 
 def located_area(state: ContactResult) -> float:
@@ -228,14 +225,103 @@ def contact_is_apart(axis: Literal["x", "y"]) -> Callable[[ContactResult], bool]
 
 def _flow(state: ContactResult, axis: Literal["x", "y"]) -> dict[str, float]:
     gap = open_gap(state)
-    mean = float(gap.mean())
+    mean = gap.mean()
     flow = flow_conductance(gap, state.lengths, axis=axis)
     medium = effective_medium(gap.ravel() ** 3 / 12, np.full(gap.size, 1 / gap.size))
     return {
         "located": located_area(state),
         "conductance": flow.conductance / mean**3,
-        "closed": float(flow.closed),
+        "closed": flow.closed,
         "effective_medium": medium / mean**3,
         "constriction": critical_gap(gap, axis) / mean,
         "balance": flow.balance,
+    }
+
+
+#: Located area, and magnification, up to which a threshold is bracketed.
+_NEAR, _ZETA = 2e-3, 1.002
+_AXES: tuple[Literal["x", "y"], ...] = ("x", "y")
+
+
+@measurement(
+    "magnified-{size}",
+    kind="Magnified",
+    words="magnified",
+    located=True,
+    version=2,
+    left_out=("load",),
+    # One problem for each load and magnification, some twenty for each pair of thresholds.
+    seconds=lambda points, reduced_pressures, magnifications, percolating, bends: (
+        (len(reduced_pressures) * len(magnifications) + len(bends) + 20 * len(percolating))
+        * (2e-3 + 8e-7 * points)
+    ),
+    bytes=500,
+)
+def magnified(
+    *,
+    problem: ContactProblem,
+    grid: Grid,
+    reduced_pressures: tuple[float, ...],
+    magnifications: tuple[float, ...],
+    percolating: tuple[float, ...] = (),
+    bends: tuple[tuple[float, float], ...] = (),
+) -> xr.Dataset:
+    """Press one surface at loads p* with the gradient of all waves, with its waves up to each magnification.
+
+    Over (load, magnification); thresholds over (percolating, axis, phase). zeta = q/q_long of the last wave
+    there is, rising; `percolating` are the p* at which those are sought where contact and gap join up;
+    `bends` pairs of p* and zeta that are looked at alone, over (load) where they have one of the loads.
+    """
+    heights, field, zetas = problem.heights(grid), problem.field, dict(bends)
+
+    def cut(surface: HeightField, zeta: float) -> HeightField:
+        return without_waves_beyond(surface, zeta * 2 * np.pi / problem.longest)
+
+    def states_at(load: float) -> States:
+        """Contacts by magnification."""
+        press = partial(press_elastic, solid=problem.elastic, pressure=load * problem.pressure_scale)
+        return States(lambda zeta, start: press(cut(heights, zeta), start=start))
+
+    def threshold(states: States, passes: Callable[[ContactResult], bool]) -> tuple[float, float]:
+        low, high = magnifications[0], magnifications[-1]
+        if passes(states(low)) or not passes(states(high)):
+            return np.nan, np.nan
+        return states.threshold(passes, low, high, area=_NEAR, ratio=_ZETA)
+
+    rows = []
+    for load in reduced_pressures:
+        states, unit = states_at(load), problem.longest**2
+        last = states(magnifications[-1])
+        rows.append([_read_off(states(zeta), last, unit=unit) for zeta in reversed(magnifications)][::-1])
+    data = {f"{name}_each": values for name, values in stacked(rows, "load", "magnification").items()}
+    thresholds = [
+        [[threshold(states, phase(axis)) for phase in (contact_is_apart, gap_is_open)] for axis in _AXES]
+        for states in map(states_at, percolating)
+    ]
+    for k, name in enumerate(("area", "magnification")):
+        values = np.reshape(thresholds, (-1, 2, 2, 2))[..., k]
+        data[f"percolation_{name}_axis_each"] = ("percolating", "axis", "phase"), values
+    shares = {
+        zeta: cut(field, zeta).rms_gradient / field.rms_gradient
+        for zeta in (*magnifications, *zetas.values())
+    }
+    data["gradient_share_each"] = "magnification", [shares[zeta] for zeta in magnifications]
+    macro = {load: located_area(states_at(load)(zetas[load])) for load in reduced_pressures if load in zetas}
+    data["macro_area_each"] = "load", [macro.get(load, np.nan) for load in reduced_pressures]
+    data["macro_gradient_share_each"] = "load", [shares.get(zetas.get(p), np.nan) for p in reduced_pressures]
+    return xr.Dataset(data, coords={"axis": list(_AXES), "phase": ["contact", "gap"]})
+
+
+def _read_off(state: ContactResult, last: ContactResult, *, unit: float) -> dict[str, float]:
+    """Numbers of a contact, and its shares of the contact at the largest magnification, `last`; `unit` is an area [m^2]."""
+    patches = find_patches(state.in_contact, state.spacing)
+    nominal = state.lengths[0] * state.lengths[1]
+    inside = last.in_contact & state.in_contact
+    return {
+        "area": located_area(state),
+        "patch_density": patches.count * unit / nominal,
+        "relative_patch_size": patches.mean_size / unit,
+        "largest_patch": patches.areas.max() / patches.areas.sum(),
+        "area_inside": inside.sum() / last.in_contact.sum(),
+        "load_inside": last.pressure[inside].sum() / last.pressure.sum(),
     }

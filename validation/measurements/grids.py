@@ -1,26 +1,33 @@
-"""Areas on every grid: of boundary elements by each definition, of finite elements, of other methods; observed orders."""
+"""Areas on every grid: of boundary elements, finite elements, other methods; observed orders; roughness down to the grid scale."""
 
 from __future__ import annotations
 
 import itertools
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 import numpy as np
 import scipy.special
 import xarray as xr
 
+from fem_contact.area import contact_areas
+from fem_contact.surface import HeightField
 from persson.elastic import pressure_distribution, stress_variance
-from validation.arrays import Grid
-from validation.measurements.distributions import PATCH_EDGES, STRESS_EDGES, weighted_percentile
+from validation.arrays import Array, Grid
+from validation.effects.base import ContactModel
+from validation.execution.measurement import measurement
+from validation.execution.solve import Prediction
+from validation.measurements.common import reduced_load
 from validation.measurements.limits import Measured, limit_dataset, limits_of, shift_means
-from validation.measurements.measurement import limit_over, no_limit, stored_areas
+from validation.measurements.measurement import PATCH_EDGES, STRESS_EDGES, limit_over, no_limit, stored_areas
 from validation.measurements.references import published
-from validation.measurements.statistics import order_of_convergence
+from validation.measurements.statistics import order_of_convergence, weighted_percentile
 from validation.report.estimates import change, claim, claim_shares, derive, error_of, gather, mean
 from validation.scenes.problem import ContactProblem
+from validation.scenes.tables import SelfAffineSurface
+from validation.solvers import find_solver
 
 #: Stress, over E* h'_rms, that is small; distance from the limit that is close.
 SMALL, _CLOSE = 0.2, 0.05
@@ -36,14 +43,15 @@ def on_grids(measured: xr.Dataset, *, wave_share: float) -> xr.Dataset:
     `wave_share` is that of lambda_short^2 in the period.
     """
     data = limits_of(measured).isel(load=0, drop=True)
-    plain = measured.isel(load=0, drop=True).drop_vars(["points", "cells"], errors="ignore")
+    bare = measured.drop_vars(["points", "cells"], errors="ignore")
+    plain = bare.isel(load=0, drop=True)
     names = {"area_pixel": "pixel", "area_perimeter": "perimeter", "area_located": "subcell"}
     names |= {n: n for n in ("density_at_zero", "patches", "cells_per_patch", "edge_fraction", "residual")}
     at_load = {name: f"{of}.isel(load=0)" for name, of in names.items()}
-    read: dict[str, Any] = shift_means(measured.drop_vars(["points", "cells"], errors="ignore"), **at_load)
-    width = float(np.diff(STRESS_EDGES)[0])
+    read: dict[str, Any] = shift_means(bare, **at_load)
+    width = np.diff(STRESS_EDGES)[0]
     cells = [
-        [weighted_percentile(row, PATCH_EDGES, part) * wave_share * float(n) for part in _PARTS]
+        [weighted_percentile(row, PATCH_EDGES, part) * wave_share * n for part in _PARTS]
         for row, n in zip(plain.patch_area_profile.values, measured.cells.values, strict=True)
     ]
     return data.assign(
@@ -168,9 +176,10 @@ def with_block_errors(
     # On the finest grid, where one node is least.
     finest = [blocks[e, k, len(grids) - 1] for e in strict for k in range(data.sizes["surface"])]
     share = np.mean([abs(float(block.pixel_layer / block.pixel_bem) - 1) for block in finest])
-    exact = {e: float(block.pixel) for e, block in strict.items()}
-    missed = {e: abs(float(blocks[e, 0, 0].pixel) - pixel) for e, pixel in exact.items()}
-    solver = {e: max(missed[e], 1 / math.prod(grids[0])) / pixel for e, pixel in exact.items()}
+    solver = {
+        e: max(abs(float(blocks[e, 0, 0].pixel - block.pixel)), 1 / math.prod(grids[0])) / float(block.pixel)
+        for e, block in strict.items()
+    }
     names = data.other.values.tolist()
     depth, solver_share = (
         xr.DataArray([of.get(name, np.nan) for name in names], dims="other")
@@ -255,14 +264,84 @@ def observed_order(data: xr.Dataset, name: str, *, to: str) -> xr.Dataset:
     def order(some: np.ndarray) -> float:
         error = some.mean(axis=0)
         if not np.isfinite(error).all() or error.size < 2:
-            return float("nan")
+            return math.nan
         return order_of_convergence(spacing, np.where(error == 0, 1e-12, error))
 
     places = {"x": "points_per_wave", "along": "grid", "over": "surface"}
     made: dict[str, Any] = {"reduction": "order", "of": f"{name}_each", **places}
-    value, half = xr.DataArray(order(rows), attrs=made), float("nan")
+    value, half = xr.DataArray(order(rows), attrs=made), math.nan
     if count > 1:
         left = np.array([order(np.delete(rows, k, axis=0)) for k in range(count)])
-        half = float(np.sqrt((count - 1) / count * ((left - left.mean()) ** 2).sum()))
-        half *= float(scipy.special.stdtrit(count - 1, 0.975))
+        half = np.sqrt((count - 1) / count * ((left - left.mean()) ** 2).sum())
+        half *= scipy.special.stdtrit(count - 1, 0.975)
     return data.assign({to: value, f"{to}_error": error_of(value, surfaces=half)})
+
+
+def _recipe(made: dict[str, Any], method: str) -> dict[str, Any]:
+    made = {name: value for name, value in made.items() if (name, value) != ("method", "bem")}
+    return made | {"surface": {n: v for n, v in made["surface"].items() if n != "lambda_short"}}
+
+
+def _predicted(points: int, method: str) -> Prediction:
+    """Such roughness converges slowly; a block has some fifty unknowns below each of its points."""
+    seconds, size = (1.2e-4, 2500) if method == "fem" else (4e-6, 120)
+    return Prediction(seconds=2e-3 + seconds * points, peak_bytes=size * points, unknowns=points)
+
+
+@measurement(
+    "grid-roughness-{size}",
+    kind="GridRoughness",
+    words="roughness to the grid scale,",
+    recipe=_recipe,
+    predict=_predicted,
+)
+def grid_roughness(
+    *, problem: ContactProblem, grid: Grid, method: Literal["bem", "fem"] = "bem"
+) -> xr.Dataset:
+    """Continue the waves of a surface with its power law to the shortest a grid can carry, and press them on that grid.
+
+    The surface gives H, lambda_long, period and seed; its lambda_short is replaced by two spacings. The reduced
+    pressure is that of the spectral slope. Returns kappa for the three slopes, by boundary elements or, as Hyun et al.
+    had them, by a whole block of finite elements one period deep.
+    """
+    field, modulus = down_to_grid(problem, grid[0]).heights(grid), problem.contact_modulus
+    slopes = rms_slopes(field)
+    pressure = reduced_load(problem) * modulus * slopes["spectral"]
+    result = find_solver(method).pressed(field, ContactModel(solid=problem.elastic), pressure).checked()
+    pixel = contact_areas(result).pixel
+    kappa = [pixel * modulus * slope / pressure for slope in slopes.values()]
+    return xr.Dataset(
+        {"kappa": ("slope", kappa), "pixel": pixel, "seconds": result.cost.wall_seconds},
+        coords={"slope": list(slopes)},
+    )
+
+
+def down_to_grid(problem: ContactProblem, points: int) -> ContactProblem:
+    """Continue the waves of a surface to the shortest that so many points along a side carry."""
+    surface = problem.surface
+    assert isinstance(surface, SelfAffineSurface)
+    # The Nyquist wave itself has no phase on the grid: stop one wave short of it.
+    shortest = surface.length[0] / (points // 2 - 1)
+    return replace(problem, surface=surface.model_copy(update={"lambda_short": shortest}))
+
+
+def rms_slopes(field: HeightField) -> dict[str, float]:
+    """Root mean square gradient by spectral, forward and central differences.
+
+    >>> x = np.arange(64) / 64
+    >>> wave = HeightField(heights=np.cos(2 * np.pi * x)[:, None] * np.ones(4), lengths=(1.0, 1.0))
+    >>> [round(slope / wave.rms_gradient, 4) for slope in rms_slopes(wave).values()]
+    [1.0, 0.9996, 0.9984]
+    """
+    back = {"forward": 0, "central": 1}
+    differences = {name: np.sqrt(squared_gradient(field, k).mean()) for name, k in back.items()}
+    return {"spectral": field.rms_gradient} | differences
+
+
+def squared_gradient(field: HeightField, back: int) -> Array:
+    """|grad h|^2 from the next point and that so many steps back."""
+    h = field.heights
+    along = [
+        (np.roll(h, -1, k) - np.roll(h, back, k)) / ((1 + back) * d) for k, d in enumerate(field.spacing)
+    ]
+    return along[0] ** 2 + along[1] ** 2

@@ -85,7 +85,8 @@ _Press = Callable[[HeightField, float], ContactResult]
 
 
 def _bem(surface: HeightField, load: float, **more: Any) -> ContactResult:
-    return bem.solve(surface, _HALF_SPACE, mean_pressure=load, threads=1, **more)
+    result: ContactResult = bem.solve(surface, _HALF_SPACE, mean_pressure=load, threads=1, **more)
+    return result
 
 
 def _westergaard(press: _Press, load: float) -> Measured:
@@ -119,7 +120,7 @@ def _offset_of(press: _Press, rounded: Array, *, mean: float = 0.0) -> Measured:
     """
     exact = _rough()
     reference, perturbed = (press(_square(heights), _LIGHT) for heights in (exact.heights, rounded))
-    allowed = float(np.max(np.abs(rounded - exact.heights - mean))) + 1e-7 * exact.rms_height
+    allowed = np.max(np.abs(rounded - exact.heights - mean)) + 1e-7 * exact.rms_height
     return _measured(perturbed, abs(perturbed.offset - mean - reference.offset) / allowed)
 
 
@@ -145,13 +146,16 @@ def _path(factor: float) -> Measured:
 
 def elastic_cases(method: str) -> tuple[HardCase, ...]:
     """Return the hard cases of the half-space that any solver can be put through, by its name or a function."""
+    press: _Press
     press, ending = _bem, ""
     if method != "bem":
         ending = f"-{re.sub('[^A-Za-z0-9]+', '-', method)}"
         solver, options = chosen_solver(method)
 
-        def press(surface: HeightField, load: float) -> ContactResult:
+        def by_name(surface: HeightField, load: float) -> ContactResult:
             return solver.pressed(surface, ContactModel(solid=_HALF_SPACE.solid), load, **options)
+
+        press = by_name
 
     plain = "Polonsky-Keer on the same {}; relative L2 of the pressure"
     cases = (
@@ -217,7 +221,7 @@ def _yielding(result: ContactResult, ratio: float, difference: float = 0.0) -> M
     load = abs(unloaded.elastic_load + unloaded.plastic_load - _LOAD) / _LOAD
     plastic = abs(unloaded.plastic_load - hardness * unloaded.plastic_area) / _LOAD
     errors = [load, plastic, np.max(result.pressure) / hardness - 1, difference]
-    return _measured(result, float(np.max(errors)))
+    return _measured(result, np.max(errors))
 
 
 def _hard(ratio: float) -> Measured:
@@ -266,7 +270,7 @@ def _contrast(ratio: float) -> Measured:
     )
     change = cut.compliance(q, 0 * q) / layered.compliance(q, 0 * q) - 1
     result = bem.solve(_rough(), layered, mean_pressure=1e-4 * min(ratio, 1.0), threads=1)
-    return _measured(result, float(np.max(np.abs(change))))
+    return _measured(result, np.max(np.abs(change)))
 
 
 def _full_contact(points: int, *, poisson: float = 0.3, depth: float = 1.0, **settings: Any) -> Measured:
@@ -274,11 +278,11 @@ def _full_contact(points: int, *, poisson: float = 0.3, depth: float = 1.0, **se
 
     solid = Solid(young=1.0, poisson=poisson)
     layer = BondedLayer(solid=solid, thickness=depth)
-    exact = 0.01 / float(layer.compliance(np.array([2 * np.pi]), np.zeros(1))[0])
+    exact = 0.01 / layer.compliance(np.array([2 * np.pi]), np.zeros(1))[0]
     options: dict[str, Any] = {"mean_pressure": 1.5 * exact, "depth": depth, "growth": 1.1, **settings}
     contact = block.solve(_wave(points, rows=points), solid, **options).contact
     cosine = np.cos(2 * np.pi * np.arange(points) / points)
-    amplitude = 2 * float(np.mean(contact.pressure[:, 0] * cosine))
+    amplitude = 2 * np.mean(contact.pressure[:, 0] * cosine)
     return _measured(contact, abs(amplitude / exact - 1))
 
 
@@ -292,8 +296,8 @@ def _diffusion(ratio: float) -> Measured:
     case: dict[str, Any] = {"pressure": 0.1, "yield_stress": 1.0}
     diffused = solve_diffusion(np.array([ratio]), **case)
     exact = constant_hardness(stress_variance=np.array([ratio]), **case)
-    error = abs(float(diffused.area_plastic[0] - exact.plastic[0]))
-    return Measured(error=error, residual=float(diffused.load_residual[0]))
+    error = abs(diffused.area_plastic[0] - exact.plastic[0])
+    return Measured(error=error, residual=diffused.load_residual[0])
 
 
 _YIELDING = HardCase(

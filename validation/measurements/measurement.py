@@ -26,7 +26,6 @@ from validation.errors import UsageError
 from validation.execution.measurement import measurement
 from validation.execution.solve import LOCATED_EDGES, dearer_by
 from validation.measurements.common import LEAST_POINTS_PER_WAVE, SHIFTS, reduced_load
-from validation.measurements.distributions import histograms_of
 from validation.scenes.problem import ContactProblem
 from validation.scenes.scene import EffectSpec
 from validation.scenes.surfaces import waves_drawn
@@ -47,6 +46,12 @@ QUANTITIES = (
     *(*AREAS, *TRAITS, "density_at_zero", "patches", "patch_size", "cells_per_patch", "mean_gap", "energy"),
     *("residual", "seconds", "peak_bytes"),
 )
+
+#: Edges of the bins of sigma / (E* h'_rms); what lies above the last counts in the last bin.
+STRESS_EDGES = np.linspace(0.0, 4.0, 321)
+
+#: Edges of the bins of patch area / lambda_short^2; what lies outside counts in the first or last bin.
+PATCH_EDGES = np.geomspace(1e-4, 1e4, 161)
 
 
 def grid_for(problem: ContactProblem, points_per_wave: float) -> Grid:
@@ -105,22 +110,13 @@ _KINDS: dict[tuple[str, ...], str] = {
 }
 
 
-def quantities_of(keep: tuple[str, ...]) -> tuple[str, ...]:
-    """Name what is read off every solve.
-
-    ``stiffness`` is K h_rms / p0 with the contact set held, ``slope`` that of P(sigma), times (E* h'_rms)^2, fitted
-    between .1 and .4 E* h'_rms, of a coating where there is one. `press_on_grids` fills each. They belong to the recipe: with another name, stored
-    results are of another kind and are made anew.
-    """
-    return (*QUANTITIES, *(name for name in ("stiffness", "slope") if name in keep))
-
-
 def _recipe(
     made: dict[str, Any], keep: tuple[str, ...], reduced_pressures: Any, problem: Any, grids: Any
 ) -> dict[str, Any]:
     """Name what is read off, too: a stored result that lacks a number is another one."""
     # P(0+) over a coating stands on E* of the solid below it; it stood on that of the coating.
     below = ["below"] if any(effect["kind"] == "coating" for effect in made["effects"]) else []
+    more = [name for name in ("stiffness", "slope") if name in keep]
     if not made["effects"]:
         del made["effects"]
     # A surface that is cut has its lay; solves of before had lost it.
@@ -132,7 +128,7 @@ def _recipe(
         **made,
         "kind": _KINDS[keep],
         "reduced_pressures": list(reduced_pressures or (reduced_load(problem),)),
-        "quantities": sorted([*quantities_of(keep), "cells", LOCATED_EDGES, *below, *lay, *moved]),
+        "quantities": sorted([*QUANTITIES, *more, "cells", LOCATED_EDGES, *below, *lay, *moved]),
     }
 
 
@@ -163,7 +159,7 @@ def press_on_grids(
 ) -> xr.Dataset:
     """Press one surface, at ascending loads, on nested grids, each on `shifts`^2 sub-grid shifts.
 
-    What `quantities_of` lists over (grid, shift, load); histograms (grid, load, bin), means over the shifts.
+    `QUANTITIES` over (grid, shift, load); histograms (grid, load, bin), means over the shifts.
 
     Parameters
     ----------
@@ -174,7 +170,8 @@ def press_on_grids(
     truncation : float or None
         Drop waves beyond this wavevector [1/m]: roughness up to a magnification.
     keep : tuple of str
-        What else is read off: ``distributions`` of P(sigma) and patch sizes; see `quantities_of`.
+        What else is read off: ``distributions`` of P(sigma) and patch sizes; ``stiffness``, K h_rms / p0 with the
+        contact set held; ``slope`` of P(sigma), times (E* h'_rms)^2, fitted between .1 and .4 E* h'_rms.
     """
     import xarray as xr
 
@@ -187,13 +184,9 @@ def press_on_grids(
         return [_read_off(result, problem, keep, located=located) for result in path]
 
     solves = [[read(grid, shift) for shift in subgrid_shifts(shifts)] for grid in grids]
-    data: dict[str, Any] = {}
-    for name in solves[0][0][0]:
-        values = np.array([[[numbers[name] for numbers in path] for path in shifted] for shifted in solves])
-        if values.ndim == 3:
-            data[name] = ("grid", "shift", "load"), values
-        else:
-            data[f"{name}_profile"] = ("grid", "load", f"{name}_bin"), values.mean(axis=1)
+    data = stacked(solves, "grid", "shift", "load")
+    for name in [name for name, (_, values) in data.items() if values.ndim > 3]:
+        data[f"{name}_profile"] = ("grid", "load", f"{name}_bin"), data.pop(name)[1].mean(axis=1)
     field, modulus = problem.field, problem.contact_modulus
     return xr.Dataset(
         data,
@@ -211,6 +204,18 @@ def press_on_grids(
             "full_contact_energy": field.spectral_sum(lambda q: modulus / 4 * q),
         },
     )
+
+
+def stacked(rows: Any, *dims: str) -> dict[str, Any]:
+    """Return numbers by name, in lists of lists of them along `dims`, as variables of a dataset."""
+
+    def values(name: str, part: Any) -> Any:
+        return part[name] if isinstance(part, Mapping) else [values(name, row) for row in part]
+
+    first = rows
+    for _ in dims:
+        first = first[0]
+    return {name: (dims, np.array(values(name, rows))) for name in first}
 
 
 def pressed_path(
@@ -249,8 +254,10 @@ def press_elastic(
     tolerance: float = TOLERANCE,
 ) -> ContactResult:
     """Solve the half-space at a mean pressure [Pa] on one thread, from a pressure field that is near."""
-    options: dict[str, Any] = {"start": start, "tolerance": tolerance, "threads": 1}
-    return bem.solve(field, HalfSpace(solid=solid), mean_pressure=pressure, **options).checked()
+    body = HalfSpace(solid=solid)
+    return bem.solve(
+        field, body, mean_pressure=pressure, start=start, tolerance=tolerance, threads=1
+    ).checked()
 
 
 def truncated_heights(
@@ -277,7 +284,7 @@ def without_waves_beyond(field: HeightField, last: float) -> HeightField:
 def _read_off(
     result: ContactResult, problem: ContactProblem, keep: Sequence[str], *, located: bool
 ) -> dict[str, Any]:
-    """Return `quantities_of` a solve, and its histograms where they are kept."""
+    """Return `QUANTITIES` of a solve, and what else is to be kept."""
     patches = find_patches(result.in_contact, result.spacing)
     sizes = np.sort(patches.areas)[::-1]
     cell = result.spacing[0] * result.spacing[1]
@@ -290,7 +297,7 @@ def _read_off(
         "density_at_zero": density_at_zero(result).reduced * unit,
         "patches": patches.count,
         "patch_size": patches.mean_size,
-        "cells_per_patch": float(sizes[half] / cell) if sizes.size else 0.0,
+        "cells_per_patch": sizes[half] / cell if sizes.size else 0.0,
         # What is left of the gaps where every point touches is rounding.
         "mean_gap": 0.0 if full else result.mean_gap,
         "energy": elastic_energy(result),
@@ -387,3 +394,29 @@ def area_limits(dataset: xr.Dataset) -> tuple[np.ndarray, np.ndarray]:
     """
     limits = [limit_over(areas_of(dataset, k)) for k in range(dataset.sizes["load"])]
     return np.array([limit.value for limit in limits]), np.array([limit.uncertainty for limit in limits])
+
+
+def histograms_of(result: ContactResult, problem: ContactProblem) -> dict[str, Array]:
+    """Return P(sigma) and patch sizes of one solve, as histograms over the edges above.
+
+    ``stress``, share of the nominal area by pressure, and ``load``, share of p0; ``patch_number`` and
+    ``patch_area``, number of patches and share of the nominal area, by patch size.
+    """
+    unit = problem.pressure_scale
+    contact = result.in_contact
+    pressure = result.pressure[contact] / unit
+    inside = np.clip(pressure, 0.0, STRESS_EDGES[-1])
+    stress, _ = np.histogram(inside, bins=STRESS_EDGES)
+    load, _ = np.histogram(inside, bins=STRESS_EDGES, weights=pressure)
+    sizes = find_patches(contact, result.spacing).areas
+    scaled = np.clip(sizes / problem.shortest**2, PATCH_EDGES[0], PATCH_EDGES[-1])
+    number, _ = np.histogram(scaled, bins=PATCH_EDGES)
+    cell = result.spacing[0] * result.spacing[1]
+    area, _ = np.histogram(scaled, bins=PATCH_EDGES, weights=sizes / cell)
+    nominal = np.mean(result.pressure) / unit * contact.size
+    return {
+        "stress": stress / contact.size,
+        "load": load / nominal,
+        "patch_number": number.astype(float),
+        "patch_area": area / contact.size,
+    }

@@ -8,6 +8,11 @@ import numpy as np
 import scipy.special
 from numpy.typing import ArrayLike, NDArray
 
+from validation.arrays import Array
+
+#: Of surfaces, for the intervals of distances.
+_RESAMPLES = 1000
+
 
 def pair_means(values: ArrayLike) -> NDArray[np.float64]:
     """Means of the pairs (+h, -h) along the last axis, of shape (..., n/2); ValueError for an odd number.
@@ -74,3 +79,48 @@ def finest_error(values: ArrayLike, spacing: ArrayLike, *, power: float = 1.5) -
         return math.nan
     samples = (y[:-1] - y[-1]) * (dx[-1] / dx[:-1]) ** power
     return float(scipy.special.stdtrit(samples.size, 0.975) * np.sqrt(np.mean(samples**2)))
+
+
+def weighted_percentile(shares: Array, edges: Array, part: float) -> float:
+    """Value below which a part of a histogram lies, interpolated in the logarithm of the edges.
+
+    >>> round(weighted_percentile(np.array([1.0, 1.0]), np.array([1.0, 10.0, 100.0]), 0.5), 9)
+    10.0
+    """
+    total = np.concatenate([[0.0], np.cumsum(shares)])
+    return float(np.exp(np.interp(part * total[-1], total, np.log(edges))))
+
+
+def kolmogorov_smirnov(first: Array, second: Array) -> Array:
+    """Kolmogorov-Smirnov distance of two histograms over the last axis: largest difference of their cumulated shares.
+
+    >>> float(kolmogorov_smirnov(np.array([1.0, 1.0]), np.array([3.0, 1.0])))
+    0.25
+    """
+    shares = [np.cumsum(h, axis=-1) / h.sum(axis=-1, keepdims=True) for h in (first, second)]
+    return np.asarray(np.abs(shares[0] - shares[1]).max(axis=-1))
+
+
+def distance_to_reference(histograms: Array, reference: int) -> dict[str, Array]:
+    """Measure how far distributions (surfaces, loads, bins) are from that at one load, (loads,).
+
+    The distance itself ("") is of the pooled surfaces; ``_lower``, ``_upper`` are its 95 % interval by
+    resampling the surfaces, each with all its loads; ``_noise`` is the distance that two sets of as many
+    surfaces have from each other, 95th percentile, root mean square of that load and the reference, NaN for
+    a single surface. Less is not told from zero: the two loads are of the same surfaces, so that this is on
+    the safe side.
+    """
+    surfaces = histograms.shape[0]
+    pooled = histograms.sum(axis=0)
+    rng = np.random.default_rng(20062)
+    picks = rng.multinomial(surfaces, np.full(surfaces, 1 / surfaces), size=_RESAMPLES)
+    sampled = np.einsum("rs,slb->rlb", picks, histograms)
+    value = kolmogorov_smirnov(pooled, pooled[reference])
+    spread = kolmogorov_smirnov(sampled, sampled[:, reference : reference + 1])
+    # Two samples of the surfaces at one load; the bootstrap scatter of n surfaces is too small by (n - 1)/n.
+    apart = kolmogorov_smirnov(sampled, sampled[rng.permutation(_RESAMPLES)])
+    factor = np.sqrt(surfaces / (surfaces - 1)) if surfaces > 1 else np.nan
+    twin = np.percentile(apart, 95, axis=0) * factor
+    noise = np.sqrt((twin**2 + twin[reference] ** 2) / 2)
+    low, high = np.percentile(spread, [2.5, 97.5], axis=0)
+    return {"": value, "_lower": low, "_upper": high, "_noise": noise}

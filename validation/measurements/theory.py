@@ -98,7 +98,7 @@ class Waves:
         Arguments as for `elastic_energy`; the pressures must rise.
         """
         load = np.asarray(pressure, dtype=float)
-        top = max(_FULL * float(np.sqrt(2 * self.variance.max())), 2 * float(load[-1]))
+        top = max(_FULL * np.sqrt(2 * self.variance.max()), 2 * load[-1])
         dense = np.unique(np.concatenate([np.geomspace(load[0], top, _PRESSURES), load]))
         step = np.diff(self.elastic_energy(dense, variant)) / np.sqrt(dense[1:] * dense[:-1])
         gap = np.concatenate([np.cumsum(step[::-1])[::-1], [0.0]])

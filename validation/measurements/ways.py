@@ -34,7 +34,7 @@ def ways_of_bem(measured: Mapping[int, xr.Dataset]) -> Iterator[xr.Dataset]:
             some = {"grid": slice(i, i + count), "shift": slice(shifts)}
             label = f"BEM limit, {per_wave[i]:g} to {per_wave[i + count - 1]:g} per wave"
             yield way(
-                [float(area_limits(result.isel(some))[0][0]) for result in measured.values()],
+                [area_limits(result.isel(some))[0][0] for result in measured.values()],
                 label=label + (", 4 shifts" if shifts == 4 else ""),
                 seconds=whole.seconds.isel(some).sum(("grid", "shift")),
                 peak_bytes=whole.peak_bytes.isel(some),
@@ -51,8 +51,8 @@ def way(
     return xr.Dataset(
         {
             "area_each": ("surface", np.asarray(areas)),
-            "seconds": float(np.asarray(seconds).mean()),
-            "peak_bytes": float(np.asarray(peak_bytes).max()),
+            "seconds": np.asarray(seconds).mean(),
+            "peak_bytes": np.asarray(peak_bytes).max(),
             "kind": label.split(",")[0],
             "process": int(process),
         },
@@ -111,6 +111,6 @@ def chosen_ways(data: xr.Dataset) -> xr.Dataset:
     data = data.assign_coords(accuracy=("target", list(_TARGETS)))
     for cost in ("seconds", "peak_bytes"):
         front, dim = pareto_front(data, cost), f"front_{cost}"
-        data[f"area_deviation_rms_{dim}"] = (dim, deviation[front])
-        data[f"{cost}_front"] = (dim, data[cost].values[front])
+        data[f"area_deviation_rms_{dim}"] = dim, deviation[front]
+        data[f"{cost}_front"] = dim, data[cost].values[front]
     return data

@@ -12,12 +12,11 @@ import numpy as np
 import xarray as xr
 from pydantic import AfterValidator, Field, model_validator
 
-from validation.measurements.budgets import PROFILE_EDGES
 from validation.measurements.common import Resolved, Rising, RisingSeveral, base_case
 from validation.measurements.diffusion import HALF, SQUARE_TERMS, budgets_of, with_diffusion_terms
 from validation.measurements.edge import slopes_of
 from validation.measurements.measurement import even_points
-from validation.measurements.rings import RING, chain, probe, ring_ends
+from validation.measurements.rings import PROFILE_EDGES, RING, chain, probe, ring_ends
 from validation.report.estimates import claim, derive, gather, nearest
 from validation.report.views import Figure, Findings, Line, Table, Views, against, finding, panels_along
 from validation.scenes.problem import ContactProblem

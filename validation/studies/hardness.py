@@ -23,7 +23,7 @@ from validation.effects.smoothing import Smoothing
 from validation.execution.bench import Solves
 from validation.execution.press import Press
 from validation.measurements.common import BASE_SOLID, Counts, base_case
-from validation.measurements.grid_roughness import squared_gradient
+from validation.measurements.grids import squared_gradient
 from validation.measurements.limits import straight_limit
 from validation.report.estimates import claim, derive, gather, mean, spread
 from validation.report.views import (

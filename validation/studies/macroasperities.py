@@ -14,7 +14,7 @@ from persson.errors import OutsideTheory
 from persson.percolation import SITE_THRESHOLD
 from persson.separation import macroasperity_magnification
 from validation.measurements.common import Rising, RisingOrNone, RisingSeveral, base_case
-from validation.measurements.magnified import magnified
+from validation.measurements.flow import magnified
 from validation.measurements.measurement import grid_for
 from validation.report.estimates import claim, derive, gather, mean, nearest, ratio_of_means
 from validation.report.views import Figure, Findings, Level, Line, Table, Views, against, finding

@@ -7,9 +7,9 @@ import numpy as np
 import xarray as xr
 
 from validation.measurements.common import SHIFTS, Ladder, Rising
-from validation.measurements.distributions import largest_difference
-from validation.measurements.load_path import SHARES, moved_shares, pooled_shares, reduced_path
+from validation.measurements.limits import SHARES, moved_shares, pooled_shares, reduced_path
 from validation.measurements.measurement import TOLERANCE, press_on_grids
+from validation.measurements.statistics import kolmogorov_smirnov
 from validation.measurements.theory import RANKED, modes_finding
 from validation.report.estimates import change, derive, mean, ratio_of_means
 from validation.report.values import value_of
@@ -93,7 +93,7 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
         data.attrs["light"] = light[[0, -1]]
     data = pooled_shares(moved_shares(data)).assign_attrs(methods=RANKED)
     shares = stress_shares(theories[0], options.first, options.reduced_pressures)
-    moved = largest_difference(shares, shares[data.attrs["reference_load"]])
+    moved = kolmogorov_smirnov(shares, shares[data.attrs["reference_load"]])
     return data.assign(moved_stress_persson=("load", moved))
 
 

@@ -2,7 +2,7 @@
 
 The table that others can check against. Few pairs of surfaces +h, -h are solved on fine grids, more on coarser ones whose
 area follows the fine one from surface to surface, most are only looked at; together they give the mean over all surfaces
-of a spectrum (`validation.measurements.controlled`). It is made once, shipped, and read by `fem-contact reference`.
+of a spectrum (`validation.measurements.control_variates`). It is made once, shipped, and read by `fem-contact reference`.
 """
 
 import itertools

@@ -11,9 +11,10 @@ from pydantic import Field, model_validator
 
 from validation.measurements.common import SHIFTS, Ladder, RisingOrNone
 from validation.measurements.convergence import Ladders, spectral_errors
-from validation.measurements.grid_roughness import down_to_grid, grid_roughness
 from validation.measurements.grids import (
     PROTOCOL_METHODS,
+    down_to_grid,
+    grid_roughness,
     on_grids,
     protocol,
     protocol_of_solvers,

@@ -4,9 +4,9 @@ import numpy as np
 import xarray as xr
 
 from validation.measurements.convergence import Ladders, spectral_errors
-from validation.measurements.distributions import largest_difference
-from validation.measurements.load_path import moved_shares
+from validation.measurements.limits import moved_shares
 from validation.measurements.measurement import TOLERANCE, TOLERANCES_LEFT
+from validation.measurements.statistics import kolmogorov_smirnov
 from validation.measurements.theory import RANKED, modes_finding
 from validation.report.estimates import claim_shares
 from validation.report.views import Figure, Findings, Table, Views, against
@@ -45,7 +45,7 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     data = distances(beside(data, theories, options.pressed))
     pooled = data.stress_share_each.sum("surface").values
     predicted = (stress_shares(theory, options.first, options.reduced_pressures) for theory in theories)
-    distant = [largest_difference(pooled, shares) for shares in predicted]
+    distant = [kolmogorov_smirnov(pooled, shares) for shares in predicted]
     made = {"reduction": "distance", "of": "stress_share_each"}
     data = moved_shares(data).assign(stress_distance=(("theory", "load"), np.array(distant), made))
     return data.assign_attrs(methods=RANKED)

@@ -10,7 +10,7 @@ import xarray as xr
 
 from persson.spectrum import Moments
 from validation.arrays import Array
-from validation.measurements.distributions import STRESS_EDGES
+from validation.measurements.measurement import STRESS_EDGES
 from validation.measurements.theory import Waves
 from validation.report.estimates import derive
 from validation.report.findings import Finding, ranking
