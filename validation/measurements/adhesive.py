@@ -166,7 +166,8 @@ def _by_shell(field: HeightField, displacement: Array, *, modulus: float, shells
     qx, qy, power = wave_powers(displacement, field.spacing)
     q = np.hypot(qx, qy).ravel()
     shell = np.searchsorted(np.array(shells) * (1 + 1e-9), q)
-    return np.bincount(shell, weights=modulus / 4 * q * power.ravel(), minlength=len(shells) + 1)
+    energy = modulus / 4 * q * power.ravel()
+    return np.bincount(shell, weights=energy, minlength=len(shells) + 1).astype(float)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

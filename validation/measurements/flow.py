@@ -308,7 +308,10 @@ def magnified(
     data["gradient_share_each"] = "magnification", [shares[zeta] for zeta in magnifications]
     macro = {load: located_area(states_at(load)(zetas[load])) for load in reduced_pressures if load in zetas}
     data["macro_area_each"] = "load", [macro.get(load, np.nan) for load in reduced_pressures]
-    data["macro_gradient_share_each"] = "load", [shares.get(zetas.get(p), np.nan) for p in reduced_pressures]
+    data["macro_gradient_share_each"] = (
+        "load",
+        [shares[zetas[load]] if load in zetas else np.nan for load in reduced_pressures],
+    )
     return xr.Dataset(data, coords={"axis": list(_AXES), "phase": ["contact", "gap"]})
 
 
