@@ -74,7 +74,7 @@ def limits_of(measured: xr.Dataset, *, drift: bool = True) -> xr.Dataset:
     value, error = area_limits(measured)
     plain = measured.drop_vars(["points", "cells"], errors="ignore")
     limit = xr.DataArray(value, dims="load", coords={"reduced_pressure": plain.reduced_pressure})
-    data = read_off(
+    read = read_off(
         plain,
         area_pixel_each="pixel.mean('shift')",
         area_perimeter_each="perimeter.isel(grid=-1).mean('shift')",
@@ -82,11 +82,13 @@ def limits_of(measured: xr.Dataset, *, drift: bool = True) -> xr.Dataset:
         nayak_each="nayak",
         seconds_each="seconds.sum()",
     )
-    data["area_each"] = limit.assign_attrs(reduction="limit", of="subcell")
-    data["area_each_error"] = error_of(limit, grid=NORMAL * xr.DataArray(error, dims="load"), **ABSENT)
+    made: dict[str, Any] = {
+        "area_each": limit.assign_attrs(reduction="limit", of="subcell"),
+        "area_each_error": error_of(limit, grid=NORMAL * xr.DataArray(error, dims="load"), **ABSENT),
+    }
     if drift:
-        data["area_each_drift"] = "load", grid_drift(measured), {"reduction": "drift", "of": "subcell"}
-    return data
+        made["area_each_drift"] = "load", grid_drift(measured), {"reduction": "drift", "of": "subcell"}
+    return xr.Dataset({**made, **read.data_vars}, attrs=read.attrs)
 
 
 def shift_means(measured: xr.Dataset, **quantities: str) -> dict[Any, xr.DataArray]:
