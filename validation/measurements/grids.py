@@ -334,7 +334,7 @@ def rms_slopes(field: HeightField) -> dict[str, float]:
     [1.0, 0.9996, 0.9984]
     """
     back = {"forward": 0, "central": 1}
-    differences = {name: np.sqrt(squared_gradient(field, k).mean()) for name, k in back.items()}
+    differences = {name: float(np.sqrt(squared_gradient(field, k).mean())) for name, k in back.items()}
     return {"spectral": field.rms_gradient} | differences
 
 
