@@ -231,7 +231,7 @@ def _flow(state: ContactResult, axis: Literal["x", "y"]) -> dict[str, float]:
     return {
         "located": located_area(state),
         "conductance": flow.conductance / mean**3,
-        "closed": flow.closed,
+        "closed": float(flow.closed),
         "effective_medium": medium / mean**3,
         "constriction": critical_gap(gap, axis) / mean,
         "balance": flow.balance,
