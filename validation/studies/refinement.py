@@ -197,14 +197,14 @@ def _of_boundary_elements(options: Options, measured: Measured) -> xr.Dataset:
     # Persson's theory knows some of the effects of a scene.
     known = all(type(effect).has_theory() for effect in options.effects)
     theory = [options.predicted(problem) for problem in options.pressed] if known else []
-    gradients = data.rms_gradient_each.values
-    ensemble = ensemble_area(options.first.spectrum, [load], rms_gradients=gradients)[:, 0]
-    if options.effects:
-        ensemble = [one.ensemble_area for one in theory] or options.surfaces * [None]
+    alone = np.array([one.ensemble_area for one in theory] or options.surfaces * [None], dtype=float)
+    if not options.effects:
+        gradients = data.rms_gradient_each.values
+        alone = ensemble_area(options.first.spectrum, [load], rms_gradients=gradients)[:, 0]
     data = data.assign(
         reduced_pressure=load,
         area_persson_each=("surface", [one.area for one in theory] or options.surfaces * [np.nan]),
-        area_ensemble_each=("surface", np.asarray(ensemble, dtype=float)),
+        area_ensemble_each=("surface", alone),
     )
     data = with_distances(data, theory=not options.effects)
     usual = measured["grids", 0].isel(grid=slice(0, measured["strict",].sizes["grid"]))
