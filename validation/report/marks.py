@@ -61,8 +61,10 @@ class _Mark:
     look: Mapping[str, Any] = field(default_factory=dict)
     label: str | None = None
 
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "by", (self.by,) if isinstance(self.by, str) else self.by)
+    @property
+    def dims(self) -> tuple[str, ...]:
+        """The dimensions `by`."""
+        return (self.by,) if isinstance(self.by, str) else self.by
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -344,7 +346,7 @@ def _places(mark: _Mark, data: xr.Dataset) -> Iterable[xr.Dataset]:
     for name, value in mark.where.items():
         data = data.isel({data[name].dims[0]: np.flatnonzero(data[name].values == value)})
     # Where nothing was solved, nothing is drawn.
-    return (here for here in each(data, *mark.by) if bool(here[mark.y].notnull().any()))
+    return (here for here in each(data, *mark.dims) if bool(here[mark.y].notnull().any()))
 
 
 def _put(mark: _Mark, axes: Axes, here: xr.Dataset, x: str, factors: Pair, look: dict[str, Any]) -> Any:
@@ -400,10 +402,10 @@ def _look(mark: _Mark, here: xr.Dataset, k: int, *, several: bool) -> dict[str, 
     from validation.report.figure import COLOURS, STYLES, SYMBOLS
 
     options: dict[str, Any] = {}
-    for dim in mark.by:
+    for dim in mark.dims:
         if dim in here.coords and here[dim].ndim == 0:
             options |= named_at(here, dim).get("look", {})
-    if options and len(mark.by) > 1:
+    if options and len(mark.dims) > 1:
         options["ls"] = STYLES[k % 4]
     fixed = {n: v for n, v in quantity(mark.y).look.items() if not (several and n == "color")}
     named = [c.item() for c in here.coords.values() if c.ndim == 0 and c.dtype.kind in "OU"]
@@ -416,7 +418,7 @@ def _label(mark: _Mark, here: xr.Dataset, data: xr.Dataset) -> str:
     if mark.label is not None:
         form = mark.label
         return form.format(**dict(values_of(here, lambda name: f"{{{name}" in form)))
-    where = [words for dim in mark.by if (words := place_words(here, dim, data))]
+    where = [words for dim in mark.dims if (words := place_words(here, dim, data))]
     what = quantity(mark.y)
     return ", ".join([what.which] * bool(what.which) + where) or what.words
 
