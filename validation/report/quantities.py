@@ -165,7 +165,7 @@ def prefixed_unit(unit: str, largest: float) -> tuple[float, str]:
     """
     if unit not in (*_PREFIXED, "1/m", "m^2", "1/m^2") or not 0 < largest < math.inf:
         return 1.0, unit
-    if unit.endswith("m^2"):
+    if unit in ("m^2", "1/m^2"):
         factor, named = prefixed_unit(unit.removesuffix("^2"), math.sqrt(largest))
         return factor**2, f"{named}^2"
     power = math.floor(math.log10(largest) / 3 + 1e-9)
