@@ -19,7 +19,7 @@ import xarray as xr
 from validation.errors import UsageError
 from validation.execution.results import RECORD, Outputs, Result, leave, read_results, record_of
 from validation.files import prepare_folder
-from validation.report.estimates import NORMAL, bare, claim_surfaces, each, total_error
+from validation.report.estimates import NORMAL, claim_surfaces, derive, each, total_error
 from validation.report.findings import Finding, finding, note
 from validation.report.page import page_of
 from validation.report.quantities import in_prefixed_unit, labelled, place_words, quantity_of
@@ -165,24 +165,24 @@ def side_by_side(results: Mapping[str, Result]) -> xr.Dataset:
     data = xr.concat(parts, dim="result", combine_attrs=common, join="exact")
     data = data.assign_coords(result=list(results))
     values = [str(name) for name in names if not str(name).endswith("_error")]
-    further = data.result != data.result[0]  # the first is no further from itself than nothing
-    apart = {}
-    for name in values:
-        difference = data[name] - data[name].isel(result=0, drop=True)
-        # What rounding leaves of a difference is none; unknown and endless ones stay.
-        there = further & ~(abs(difference) < 1e-12 * abs(data[name]))
-        apart[f"{name}_apart"] = bare(difference.where(there, 0.0))
-        if f"{name}_error" in data:
-            half, own = data[f"{name}_error"], total_error(data, name)
-            # A source that some of them measured is in all differences: none is surer than what it is of.
-            gap: Any = half.isnull() & half.notnull().any("result") & own.notnull()  # type: ignore[union-attr]
-            half = half.where(~gap, 0.0)
-            both = (half**2 + half.isel(result=0, drop=True) ** 2) ** 0.5
-            apart[f"{name}_apart_error"] = bare(both.where(further, 0.0), **half.attrs)
-    data = data.assign(apart)
-    for name in values:
-        data = claim_surfaces(data, f"{name}_apart", f"{name}_each_apart", of=data[name].attrs)
-    return labelled(data)
+    errors = {name: data[f"{name}_error"] for name in values if f"{name}_error" in data}
+    # A source that some of them measured is in all differences: none is surer than what it is of.
+    known = data
+    for name, half in errors.items():
+        own: Any = total_error(data, name)
+        gap = half.isnull() & half.notnull().any("result") & own.notnull()
+        known = known.assign({f"{name}_error": half.where(~gap, 0.0)})
+    first = known.isel(result=0, drop=True)
+    beside = {f"{name}_first": first[name] for name in values}
+    beside |= {f"{name}_first_error": first[f"{name}_error"] for name in errors}
+    made = derive(known.assign(beside), **{f"{name}_apart": f"{name} - {name}_first" for name in values})
+    for name in values:  # What rounding leaves of a difference is none; unknown and endless ones stay.
+        difference = made[f"{name}_apart"]
+        made[f"{name}_apart"] = difference.where(~(abs(difference) < 1e-12 * abs(made[name])), 0.0)
+        made = claim_surfaces(made, f"{name}_apart", f"{name}_each_apart", of=data[name].attrs)
+    # The first is no further from itself than nothing.
+    apart = [name for name in made.data_vars if name not in data and name not in beside]
+    return labelled(data.assign(made[apart].where(made.result != made.result[0], 0.0)))
 
 
 def _placed(data: xr.Dataset) -> xr.Dataset:
@@ -337,7 +337,8 @@ def _farthest(data: xr.Dataset, name: str, k: int) -> Finding:
     symbol = ", ".join(filter(None, (what.symbol, what.which)))
     if not places:
         return note("{symbol}: no value in common.", symbol=symbol)
-    names = {"symbol": symbol, **{n: str(data.result.values[j]) for n, j in (("first", 0), ("other", k))}}
+    first, other = (str(data.result.values[j]) for j in (0, k))
+    names: dict[str, Any] = {"symbol": symbol, "first": first, "other": other}
     differences = [value_of(here.isel(result=k), f"{name}_apart") for _, here in places]
     if all(apart.value == 0 for apart in differences):
         return note("{symbol}: {other} and {first} agree to the last digit.", **names)
