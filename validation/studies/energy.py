@@ -114,11 +114,34 @@ def _path_work(contact: xr.Dataset, attributes: Mapping[str, float]) -> Array:
 
 def views(data: xr.Dataset) -> Views:
     """Ratios to every theory, what is missing towards full contact, and the checks."""
-    ratios = [f"{name}{end}" for name in _COMPARED for end in ("", "_over")]
+    columns = [f"{name}{end}" for name in _COMPARED for end in ("", "_over")]
+    ratios = [against("area", f"{name}_over", AGREEMENT, by="theory", log="y") for name in _COMPARED]
+    towards = [
+        against(
+            "open_area",
+            Line(name, joined=False),
+            Line(f"{name}_predicted", by="theory", label="{theory}"),
+            log="xy",
+        )
+        for name in ("energy_missing", "gap", "compliance")
+    ]
     return Views(
-        table=Table(("theory", "load"), ("theory", "reduced_pressure", "area", *ratios)),
+        table=Table(("theory", "load"), ("theory", "reduced_pressure", "area", *columns)),
         budget=_COMPARED,
-        figures=_figures(),
+        figures=[
+            Figure(
+                "energy-gap-stiffness",
+                "Simulated over predicted elastic energy, mean gap and compliance over the contact area, for every "
+                "reading of the elastic energy, told the realised surfaces; 1 is agreement.",
+                ratios,
+            ),
+            Figure(
+                "towards-full-contact",
+                "What is missing of the energy of full contact, mean gap and compliance over the area that is not in "
+                "contact; full contact is at the left end. Lines: theories, each at its own load.",
+                towards,
+            ),
+        ],
         findings=[*_findings(data)],
     )
 
@@ -146,30 +169,3 @@ def _findings(data: xr.Dataset) -> Findings:
         form = "From p* = {reduced_pressure} on the contact of the first surface is full: its gap is {gap_first} h_rms, its "
         form += "energy over that of full contact {energy_ratio_first}."
         yield finding("value", form, data.isel(load=int(full[0])))
-
-
-def _figures() -> list[Figure]:
-    ratios = [against("area", f"{name}_over", AGREEMENT, by="theory", log="y") for name in _COMPARED]
-    towards = [
-        against(
-            "open_area",
-            Line(name, joined=False),
-            Line(f"{name}_predicted", by="theory", label="{theory}"),
-            log="xy",
-        )
-        for name in ("energy_missing", "gap", "compliance")
-    ]
-    return [
-        Figure(
-            "energy-gap-stiffness",
-            "Simulated over predicted elastic energy, mean gap and compliance over the contact area, for every "
-            "reading of the elastic energy, told the realised surfaces; 1 is agreement.",
-            ratios,
-        ),
-        Figure(
-            "towards-full-contact",
-            "What is missing of the energy of full contact, mean gap and compliance over the area that is not in "
-            "contact; full contact is at the left end. Lines: theories, each at its own load.",
-            towards,
-        ),
-    ]

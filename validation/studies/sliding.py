@@ -26,7 +26,7 @@ from validation.measurements.common import RisingSeveral, in_rising_order
 from validation.measurements.theory import RANKED, VARIANTS, variant_areas, wave_powers
 from validation.report.estimates import claim, derive, mean, same_of_all, spread
 from validation.report.values import Value
-from validation.report.views import Figure, Finding, Findings, Table, Views, against, finding
+from validation.report.views import Figure, Findings, Table, Views, against, finding
 from validation.scenes.problem import ContactProblem
 from validation.studies._rubber import RubberOptions
 from validation.studies._study import ABSENT, Bench, Call, gathered, measurement
@@ -240,7 +240,18 @@ def _findings(data: xr.Dataset) -> Findings:
     fresh = data.isel(velocity=np.flatnonzero(data.modulus_passing.values <= _REMEMBERED))
     if fresh.sizes["velocity"]:
         top = int(fresh.friction.values.argmax())
-        yield from (_theory_of(fresh, fresh.isel(velocity=top), name) for name in SHARES)
+        for name, energy in zip(SHARES, ("S = 1", "S = 1/2 + P^2 / 2"), strict=True):
+            ratio = f"friction_ratio_{name}"
+            yield finding(
+                "comparison",
+                f"Persson's friction with {energy} is {{verdict}} the largest, {{{ratio}}} times it, and {{low}} to {{high}} times that "
+                "up to v = {last} m/s.",
+                fresh.isel(velocity=top),
+                by=f"friction_excess_{name}",
+                last=fresh.velocity[-1],
+                low=Value(value=float(fresh[ratio].min()), error=math.nan),
+                high=Value(value=float(fresh[ratio].max()), error=math.nan),
+            )
         form = "A/A0 is {each}."
         item = "{area} at v = {velocity} m/s, {verdict} Persson's {area_persson:~} (Yang, Persson {area_yang_persson:~}, Wang, "
         item += "Müser {area_wang_mueser:~}, Xu et al. {area_xu:~})"
@@ -251,18 +262,3 @@ def _findings(data: xr.Dataset) -> Findings:
         form += "there): it keeps the mean track of the periods before, more touches than on fresh rubber, and the theory, "
         form += "which knows no track, is no comparison."
         yield finding("threshold", form, late=late[0], remembered=_REMEMBERED)
-
-
-def _theory_of(data: xr.Dataset, largest: xr.Dataset, name: str) -> Finding:
-    energy = {"full_energy": "S = 1", "half_energy": "S = 1/2 + P^2 / 2"}[name]
-    ratio = f"friction_ratio_{name}"
-    return finding(
-        "comparison",
-        f"Persson's friction with {energy} is {{verdict}} the largest, {{{ratio}}} times it, and {{low}} to {{high}} times that "
-        "up to v = {last} m/s.",
-        largest,
-        by=f"friction_excess_{name}",
-        last=data.velocity[-1],
-        low=Value(value=float(data[ratio].min()), error=math.nan),
-        high=Value(value=float(data[ratio].max()), error=math.nan),
-    )
