@@ -58,9 +58,9 @@ def _on_grids(data: xr.Dataset, first: int) -> Iterator[Figure]:
     if "other" in data.dims:
         lines = []
         for method, colour in zip(data.other.values, cycle(_COLOURS), strict=False):
-            one = {"where": {"method_other": method}, "look": {"color": colour}}
+            of, hue = {"method_other": method}, {"color": colour}
             lines += [
-                Line(f"distance_other_{name}_size", label=f"{method}, {how}", **one)
+                Line(f"distance_other_{name}_size", where=of, label=f"{method}, {how}", look=hue)
                 for name, how in (("pixel", "counted"), ("perimeter", "corrected"))
             ]
         panels.append(against("points_per_wave_other", *lines, log="xy"))

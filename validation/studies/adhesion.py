@@ -95,22 +95,26 @@ def design(options: Options) -> dict[tuple[Case, int], Sticking]:
     """Return what is pressed by case and number of the surface."""
     load, pressed = options.reduced_pressure, {}
     at = {"work_ratio": options.work, "reduced_pressure": load, "magnification": options.bandwidth}
-    for (dial, (name, values, _)), k in itertools.product(_DIALS.items(), range(options.surfaces)):
-        whole = base_case(options.self_affine(number=k, length=_LENGTH), reduced_pressure=load, solid=_SOLID)
+    cases = [
+        Case(varied=dial, **{**at, name: value})
+        for dial, (name, values, _) in _DIALS.items()
+        for value in getattr(options, values)
+    ]
+    surfaces = [options.self_affine(number=k, length=_LENGTH) for k in range(options.surfaces)]
+    wholes = [base_case(surface, reduced_pressure=load, solid=_SOLID) for surface in surfaces]
+    for case, (k, whole) in itertools.product(cases, enumerate(wholes)):
         unit, modulus = whole.pressure_scale, whole.contact_modulus
-        for value in getattr(options, values):
-            case = Case(varied=dial, **{**at, name: value})
-            work = case.work_ratio * full_contact_energy(whole.field, modulus=modulus)
-            # The shortest range whose process zone spans the cells that are needed, and a little more.
-            reach = math.sqrt(1.1 * CELLS_NEEDED * _LENGTH / options.grids[0] * work / modulus)
-            surface = options.self_affine(number=k, until=case.magnification, length=_LENGTH)
-            limit = case.hardness_ratio * unit
-            pressed[case, k] = Sticking(
-                problem=base_case(surface, pressure=case.reduced_pressure * unit, solid=_SOLID),
-                adhesion=Adhesion(work=work, reach=reach),
-                hardness=() if math.isnan(limit) else (Hardness(hardness=limit),),
-                grids=options.grids,
-            )
+        work = case.work_ratio * full_contact_energy(whole.field, modulus=modulus)
+        # The shortest range whose process zone spans the cells that are needed, and a little more.
+        reach = math.sqrt(1.1 * CELLS_NEEDED * _LENGTH / options.grids[0] * work / modulus)
+        surface = options.self_affine(number=k, until=case.magnification, length=_LENGTH)
+        limit = case.hardness_ratio * unit
+        pressed[case, k] = Sticking(
+            problem=base_case(surface, pressure=case.reduced_pressure * unit, solid=_SOLID),
+            adhesion=Adhesion(work=work, reach=reach),
+            hardness=() if math.isnan(limit) else (Hardness(hardness=limit),),
+            grids=options.grids,
+        )
     return pressed
 
 

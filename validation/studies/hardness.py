@@ -143,7 +143,7 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
                 for n in (options.ladder if case.varied else [max(options.ladder)])
             )
     solved = bench.solve(itertools.chain(*solves.values()))
-    smoothed = {k: _smoothed(*solves.pop((cases[-1], k)), options, solved) for k in surfaces}
+    smoothed = {k: _smoothed(solves.pop((cases[-1], k))[0], options, solved) for k in surfaces}
     data = gather({at: _areas(several, solved) for at, several in solves.items()}, "case", "surface")
     data = data.merge(gather(smoothed, "surface").rename(solve="solve_smoothed"))
     data = derive(
