@@ -17,7 +17,7 @@ from validation.measurements.common import Rising, RisingOrNone, RisingSeveral, 
 from validation.measurements.flow import magnified
 from validation.measurements.measurement import grid_for
 from validation.report.estimates import claim, derive, gather, mean, nearest, ratio_of_means
-from validation.report.views import Figure, Findings, Level, Line, Table, Views, against, finding
+from validation.report.views import Figure, Finding, Findings, Level, Line, Table, Views, against, finding
 from validation.scenes.problem import ContactProblem
 from validation.studies._options import Bandwidth, Periods, SurfaceOptions, Surfaces
 from validation.studies._study import ABSENT, Bench, Call, solved, stored_variables
@@ -226,6 +226,19 @@ _STAYS = {
 }
 
 
+def _macroasperities(data: xr.Dataset, which: str, of: str) -> Finding:
+    return finding(
+        "equivalence",
+        "Pressure in the macroasperities of {of} over E* h'_rms, and whether it is that at the lightest load: {each}.",
+        data.isel(load=np.flatnonzero(data[f"macro_pressure{which}"].notnull().values)),
+        item=f"{{macro_pressure{which}}} at p* = {{reduced_pressure}} ({{verdict}}; "
+        f"zeta_m = {{macro_magnification:~}}, A/A0 = {{macro_area{which}:~}})",
+        by=f"macro_pressure_shift{which}",
+        words=_STAYS,
+        of=of,
+    )
+
+
 def _findings(data: xr.Dataset) -> Findings:
     roll_off = data.isel(magnification=nearest(data.magnification, 1.0))
     if "percolation_area" in data:
@@ -233,17 +246,8 @@ def _findings(data: xr.Dataset) -> Findings:
         form += "single cells) at these areas A/A0: {each}."
         item = "{phase} {percolation_area_pooled} ({verdict} the {percolation_area_paper} of the paper)"
         yield finding("comparison", form, data, item=item, by="percolation_area_excess")
-    for which, of in zip(_BOTH, ("the simulation", "the theory"), strict=True):
-        yield finding(
-            "equivalence",
-            "Pressure in the macroasperities of {of} over E* h'_rms, and whether it is that at the lightest load: {each}.",
-            data.isel(load=np.flatnonzero(data[f"macro_pressure{which}"].notnull().values)),
-            item=f"{{macro_pressure{which}}} at p* = {{reduced_pressure}} ({{verdict}}; "
-            f"zeta_m = {{macro_magnification:~}}, A/A0 = {{macro_area{which}:~}})",
-            by=f"macro_pressure_shift{which}",
-            words=_STAYS,
-            of=of,
-        )
+    yield _macroasperities(data, "", "the simulation")
+    yield _macroasperities(data, "_persson", "the theory")
     yield finding(
         "equivalence",
         "In the contact seen at zeta = {magnification} the mean pressure, over that at the lightest load, is {each}.",
