@@ -59,7 +59,7 @@ def test_a_fault_of_the_catalogue_breaks_each_check_of_validate():
 def test_each_test_of_the_audit_is_broken_by_a_fault_of_the_audit():
     faults = [mutant for mutant in MUTANTS if mutant.file.startswith("validation/audit/")]
     # Alone, so that it is this test that breaks.
-    alone = {mutant.tests[0] for mutant in faults if len(mutant.tests) == 1}
+    alone = {mutant.tests[0].partition("[")[0] for mutant in faults if len(mutant.tests) == 1}
     assert driver.tests_of_audit() - alone == set()
 
 

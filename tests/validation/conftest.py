@@ -66,9 +66,10 @@ def read_scene(write_scene):
 
 
 @pytest.fixture
-def solved(read_scene, tmp_path):
+def solved(read_scene, tmp_path, bench):
     """Run the small scene of boundary elements so changed, without a report."""
-    return lambda *changes: run_scene(read_scene(*changes, fem=False), tmp_path / "results", report=False)
+    asked = {"bench": bench, "report": False}
+    return lambda *changes: run_scene(read_scene(*changes, fem=False), tmp_path / "results", **asked)
 
 
 @pytest.fixture

@@ -81,7 +81,6 @@ def _text():
     yield "zero-byte.txt", b"1 2\n3 \x004\n"
     yield "ragged.txt", b"1 2 3 4\n5 6\n7 8 9 1\n"
     yield "one-row-of-a-million.txt", b"1 " * 10**6 + b"\n"
-    yield "two-rows-of-a-million-ragged.txt", b"1 " * 10**6 + b"\n" + b"1 " * 999_999 + b"\n"
     yield "one-column.txt", b"1\n" * 1000
     yield "one-number-of-a-megabyte.txt", b"9" * 2**20 + b"\n"
     yield "announced-rows.txt", b"1 2 3 4 5 6 7 8 " * 64 + b"\n" * 2**21
@@ -89,21 +88,16 @@ def _text():
     yield "header-without-end.txt", b"#" * 2**20
     yield "volts.txt", b"# Width: 1 um\n# Height: 1 um\n# Value units: V\n" + rows
     yield "endless-unit.txt", b"# Width: 1 um\n# Height: 1 um\n# Value units: m**9**9**9\n" + rows
-    yield "endless-width.txt", b"# Width: 1 m**9**9**9\n# Height: 1 um\n# Value units: m\n" + rows
-    yield "no-width.txt", b"# Width: 0 um\n# Height: 1 um\n# Value units: m\n" + rows
     yield "width-nan.txt", b"# Width: ,,e um\n# Height: 1 um\n# Value units: m\n" + rows
     yield "scattered.txt", b"0 0 1\n1 3 2\n2.3 1 1\n4 .4 2\n5 5 5\n"
     yield "points-twice.txt", b"0 0 1\n0 1 2\n1 0 1\n1 1 2\n1 1 5\n"
-    yield "points-on-a-line.txt", b"".join(b"%d 0 1\n" % i for i in range(20))
     yield "points-on-a-diagonal.txt", b"".join(b"%d %d 1\n" % (i, i) for i in range(200))
     yield "points-of-a-huge-grid.txt", b"".join(b"%d %d 1\n" % (i, i) for i in range(20_000))
-    yield "points-nan.txt", b"nan 0 1\n0 1 2\n1 0 1\n1 1 2\n"
     yield "narrow-map.txt", b"1 5 3\n2 3 9\n7 3 3\n8 1 1\n5 5 5\n"
     yield "empty-fields.csv", b"1;;3;4\n5;6;7;8\n1;2;3;4\n"
     yield "thousands.csv", b"1.000,5;2.000,5;1;1\n1.000,5;2.000,5;1;1\n"
     yield "quoted.csv", b'"1","2"\n"3","4"\n'
     yield "overflow.csv", b"1e999,1e999\n1,2\n"
-    yield "huge-heights.csv", b"1e300,2\n3,4\n"
 
 
 def _archive(entries):
@@ -122,24 +116,15 @@ def _x3p():
         return _archive({"main.xml": text, "data.bin": data})
 
     yield "no-data.x3p", _archive({"main.xml": xml})
-    yield "bad-bytes.x3p", with_xml(xml.replace(b"SUR", b"S\xff\xfe\xb5R"))
     laughs = b'<!DOCTYPE l [<!ENTITY a "ha">' + b"".join(
         b'<!ENTITY a%d "%s">' % (k, b"&a%s;" % (b"%d" % (k - 1) if k else b"") * 10) for k in range(10)
     )
     yield "laughs.x3p", with_xml(laughs + b"]>" + xml.replace(b"SUR", b"&a9;"))
-    secret = b'<!DOCTYPE l [<!ENTITY a SYSTEM "file:///etc/passwd">]>'
-    yield "external.x3p", with_xml(secret + xml.replace(b"SUR", b"&a;"))
-    yield "deep.x3p", with_xml(b"<a>" * 200_000)
-    yield "bomb-xml.x3p", with_xml(b" " * 2**28)
     yield "announced.x3p", with_xml(xml.replace(b"<SizeX>12", b"<SizeX>40000"))
-    for name, value in {"zero": b"0", "negative": b"-3", "word": b"many", "digits": b"9" * 6000}.items():
+    for name, value in {"zero": b"0", "word": b"many", "digits": b"9" * 6000}.items():
         yield f"size-{name}.x3p", with_xml(xml.replace(b"<SizeX>12", b"<SizeX>" + value))
-    for name, value in {"zero": b"0", "nan": b"nan", "inf": b"inf", "word": b"m", "minus": b"-1e-6"}.items():
-        yield f"step-{name}.x3p", with_xml(xml.replace(b"<Increment>1e-7", b"<Increment>" + value, 1))
-    yield "climbing.x3p", with_xml(xml.replace(b"data.bin", b"../../../../etc/passwd"))
     # It says that it unpacks to 960 bytes, and unpacks to 256 MiB.
     yield "lying.x3p", with_xml(xml, bytes(2**28)).replace(struct.pack("<I", 2**28), struct.pack("<I", 960))
-    yield "central.x3p", with_xml(xml).replace(b"PK\x01\x02", b"PK\x01\x03")
 
 
 #: main.xml of a map of 12 x 10 heights.
@@ -203,58 +188,36 @@ def _netcdf():
     yield "unknown-x.nc", made(plain(x=[0, 1, np.nan, 3, 4, 5]))
     yield "infinite-x.nc", made(plain(x=[0, 1, 2, 3, 4, np.inf]))
 
-    def scaled(value):
+    def telling(names, key, value):
         def build(file):
             plain()(file)
-            file["heights"].setncattr("scale_factor", value)
+            for name in names:
+                file[name].setncattr(key, value)
 
         return build
 
-    yield "scale-text.nc", made(scaled("large"))
-    yield "scale-array.nc", made(scaled(np.arange(3.0)))
-
-    def unnamed(file):
-        for name in "abc":
-            file.createDimension(name, 4)
-        for name, axes in (("first", ("a", "b")), ("second", ("b", "c"))):
-            file.createVariable(name, "f8", axes)
-
-    yield "two-maps.nc", made(unnamed)
-
-    def crossed(file):
-        file.createDimension("x", 4)
-        file.createDimension("y", 4)
-        file.createVariable("x", "f8", ("x", "y"))
-        file.createVariable("heights", "f8", ("x", "y"))[...] = np.ones((4, 4))
-
-    yield "crossed.nc", made(crossed)
-
-    def compound(file):
-        pair = file.createCompoundType(np.dtype([("a", "f8"), ("b", "f8")]), "pair")
-        file.createDimension("x", 4)
-        file.createDimension("y", 4)
-        file.createVariable("heights", pair, ("x", "y"))
-
-    yield "compound.nc", made(compound)
-
-    def ragged(file):
-        kind = file.createVLType("f8", "ragged")
-        file.createDimension("x", 4)
-        file.createDimension("y", 4)
-        file.createVariable("heights", kind, ("x", "y"))
-
-    yield "ragged.nc", made(ragged)
-
-    def length(value):
-        def build(file):
-            plain()(file)
-            for axis in "xy":
-                file[axis].setncattr("length", value)
-
-        return build
-
+    for name, value in {"text": "large", "array": np.arange(3.0)}.items():
+        yield f"scale-{name}.nc", made(telling(("heights",), "scale_factor", value))
     for name, value in {"text": "long", "array": np.arange(3.0), "nan": np.nan, "minus": -6.0}.items():
-        yield f"length-{name}.nc", made(length(value))
+        yield f"length-{name}.nc", made(telling("xy", "length", value))
+
+    def holding(variables):
+        def build(file):
+            for axis in "xyz":
+                file.createDimension(axis, 4)
+            for name, (kind, *axes) in variables(file).items():
+                file.createVariable(name, kind, axes)
+
+        return build
+
+    pair = np.dtype([("a", "f8"), ("b", "f8")])
+    yield "two-maps.nc", made(holding(lambda file: {"first": ("f8", "x", "y"), "second": ("f8", "y", "z")}))
+    yield "crossed.nc", made(holding(lambda file: dict.fromkeys(("x", "heights"), ("f8", "x", "y"))))
+    for name, kind in {
+        "compound": lambda file: file.createCompoundType(pair, "pair"),
+        "ragged": lambda file: file.createVLType("f8", "ragged"),
+    }.items():
+        yield f"{name}.nc", made(holding(lambda file, kind=kind: {"heights": (kind(file), "x", "y")}))
 
     def elsewhere(build):
         import h5py

@@ -2,7 +2,6 @@
 
 import math
 import re
-from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -19,12 +18,11 @@ from validation.comparison.accuracy_search import Metered, Search
 from validation.errors import RunFailed, SceneError, UsageError
 from validation.execution.bench import Bench, Execution
 from validation.execution.press import solves_of
-from validation.measurements.common import base_surface
+from validation.measurements.common import base_case, base_surface
 from validation.measurements.ensemble import area_pairs, mean_area
-from validation.measurements.measurement import area_limits, grids_for, limit_over
+from validation.measurements.measurement import area_limits, grids_for
 from validation.measurements.statistics import pair_means
 from validation.report.estimates import mean_of
-from validation.report.words import percent
 from validation.scenes.problem import ContactProblem, realise
 from validation.scenes.sweep import load_asked
 from validation.scenes.tables import Load, SolidSpec
@@ -53,39 +51,31 @@ def holds(reached, truth):
 
 
 @pytest.mark.parametrize(
-    ("text", "value"), [("1%", 0.01), ("0.01", 0.01), (" 2.5 % ", 0.025), ("1e-3", 1e-3)]
+    ("text", "value"), [("1%", 0.01), ("0.01", 0.01), (" 2.5 % ", 0.025), ("1e-3", 1e-3), ("50%", 0.5)]
 )
 def test_an_accuracy_is_a_share_or_a_percentage(text, value):
     assert parse_accuracy(text) == pytest.approx(value, rel=1e-15)
 
 
-@pytest.mark.parametrize("text", ["", "one", "1 permille", "0", "-1%", "51%", "nan", "inf", "1%%", "0,01"])
+@pytest.mark.parametrize("text", ["", "one", "1 permille", "0", "-1%", "51%", "nan", "1%%", "0,01", "0.5"])
 def test_what_is_no_accuracy_is_refused_in_one_line(text):
-    with refused(UsageError, r"must be a share such as 1% or 0\.01"):
+    with refused(UsageError, r"must be a share such as 1% or 0\.01|0\.5% or 50%"):
         parse_accuracy(text)
 
 
 def test_an_accuracy_is_asked_for_with_its_time():
-    how = {"dry_run": False, "execution": Execution()}
-    asked = chosen_accuracy("2 %", time_limit="10 min", **how)
+    asked = chosen_accuracy("2 %", time_limit="10 min", dry_run=False, execution=Execution())
     assert asked == {"target": pytest.approx(0.02), "time_limit": 600.0}
-    assert chosen_accuracy("2 %", time_limit=None, **how)["time_limit"] is None
-
-
-def test_a_plain_number_that_may_mean_per_cent_is_asked_about():
-    with pytest.raises(UsageError, match=r"0\.5% or 50%"):
-        parse_accuracy("0.5")
-    assert parse_accuracy("50%") == 0.5
 
 
 def test_the_claimed_error_holds_on_finer_grids(scene, bench):
-    costs, truth = [], Case(scene=scene, target=0.1).truth()
-    for target in (0.1, 0.01, 0.003):
+    finest, truth = [], Case(scene=scene, target=0.1).truth()
+    for target in (0.1, 0.01):
         reached = reach(scene, bench, target=target)
         assert reached.error <= target
         assert holds(reached, truth)
-        costs.append(max(nx * ny for nx, ny in reached.grids))
-    assert costs[0] < costs[1] < costs[2]
+        finest.append(max(nx * ny for nx, ny in reached.grids))
+    assert finest[0] < finest[1]
 
 
 def test_the_mean_over_surfaces_is_as_accurate_as_asked(ensemble, bench):
@@ -98,7 +88,6 @@ def test_the_mean_over_surfaces_is_as_accurate_as_asked(ensemble, bench):
         assert 0 < found["statistical"] < found["mean_error"]
         assert found["surfaces"] == 2 * sum(found["pairs"])
         assert len(found["pairs"]) == len(found["surface_grids"]) == 3
-        assert f"which scatter by {percent(found['scatter'])}" in " ".join(reached.sentences())
     # Both intervals hold the mean of the ensemble, each on 95 of 100 sets of seeds.
     distance = abs(results[0.1]["mean"] / results[0.2]["mean"] - 1)
     assert distance < results[0.1]["mean_error"] + results[0.2]["mean_error"]
@@ -114,7 +103,7 @@ def test_the_controlled_mean_is_that_of_plain_surfaces_whatever_amplitudes_and_l
     base = ContactProblem(
         surface=surface.model_copy(update={"amplitudes": amplitudes}),
         solid=SolidSpec(young=0.91e9, poisson=0.3),
-        load=Load(reduced_pressure=0.1) if load == "reduced_pressure" else Load(pressure=0.01e9),
+        load=Load(**{load: {"reduced_pressure": 0.1, "pressure": 0.01e9}[load]}),
     )
     grids = grids_for(base, (3.0, 6.0, 12.0))
     found = mean_area(base, half_width=0.01, bench=bench, grids=grids, tolerance=1e-5)
@@ -150,18 +139,14 @@ def test_the_cheapest_way_that_can_be_gone_is_gone_and_else_the_cheapest_is_told
     ways.append(SimpleNamespace(grids=((4, 4),), seconds=0.1, peak_bytes=MIB, error=0.02))
 
     def searched(free, tried=()):
-        bench = SimpleNamespace(
-            wanted="1 %", means=lambda: "is too little", affordable=lambda _, b: b <= free
-        )
+        bench = SimpleNamespace(affordable=lambda _, size: size <= free, wanted="1 %", means=lambda: "no")
         search = SimpleNamespace(target=0.01, bench=bench)
         return Search._cheapest(search, ways, {((n, n),) for n in tried}, share=1.0)
 
     assert searched(2 * MIB) is ways[1]
     assert searched(2 * MIB, tried=[16]) is ways[0]
     for tried, needed in (((), "4 MiB and 1 s"), ((32,), "2 MiB and 2 s")):
-        with pytest.raises(
-            UsageError, match=rf"1 %: needs about {needed} \(.*\), and is too little; nothing is"
-        ):
+        with pytest.raises(UsageError, match=rf"1 %: needs about {needed} \(.*\), and no; nothing is"):
             searched(0, tried)
     with pytest.raises(UsageError, match=r"needs more than .* about 2.0 % is within"):
         searched(MIB, tried=needs)
@@ -171,11 +156,6 @@ def test_an_accuracy_beyond_the_time_limit_is_refused_before_the_main_solves(sce
     with pytest.raises(UsageError, match=r"s are left; .* within reach"):
         reach(scene, bench, target=1e-5, time_limit=0.4)
     assert len(list(bench.store.folder.glob("*.nc"))) <= 3
-
-
-def test_a_time_limit_that_is_over_stops_the_run_by_name(scene, bench):
-    with pytest.raises((UsageError, RunFailed), match="--accuracy = 1 %"):
-        reach(scene, bench, target=0.01, time_limit=1e-9)
 
 
 def test_a_scatter_that_too_few_surfaces_can_average_is_refused_with_what_is_known(
@@ -219,25 +199,10 @@ def test_finite_elements_are_put_beside_on_their_own_grids(read_scene, bench):
 
 
 def test_a_single_grid_of_another_method_is_put_beside_without_a_limit(read_scene, bench):
-    scene = read_scene()
-    fem = scene.methods.fem.model_copy(update={"grids": scene.methods.fem.grids[:1]})
-    methods = scene.methods.model_copy(update={"fem": fem})
-    reached = reach(scene.model_copy(update={"methods": methods}), bench, target=0.05)
+    reached = reach(read_scene(("grids = [[12, 8], [24, 16]]", "grids = [[12, 8]]")), bench, target=0.05)
     (other,) = reached.beside
     assert other.doubt
     assert f"Beside it FEM on 12 x 8: no limit: {other.doubt}." in list(reached.sentences())
-
-
-def test_what_is_chosen_is_foretold_with_its_time(ensemble, bench):
-    notes = []
-    progress = SimpleNamespace(
-        **{name: lambda *_: None for name in ("start", "begin", "done", "note")}, plan=notes.append
-    )
-    reached = reach(ensemble, replace(bench, progress=progress), target=0.05)
-    grids = [note for note in notes if accuracy_search.grid_words(reached.grids) in note]
-    surfaces = [note for note in notes if "surfaces for the mean" in note]
-    for note in (grids[-1], surfaces[-1]):
-        assert re.search(r"--accuracy = 5 %: .*, \S+ to \S+ s of solving", note)
 
 
 def test_what_solves_took_foretells_those_of_their_kind_alone(scene, bench):
@@ -252,14 +217,8 @@ def test_what_solves_took_foretells_those_of_their_kind_alone(scene, bench):
 
 def test_workers_share_what_solves_take(read_scene, bench, monkeypatch):
     scene, notes = read_scene(), []
-    metered = Metered(
-        store=bench.store,
-        execution=Execution(workers=4),
-        progress=SimpleNamespace(plan=notes.append),
-        pair=1e-3,
-        time_limit=100.0,
-        wanted="1 %",
-    )
+    how = {"execution": Execution(workers=4), "progress": SimpleNamespace(plan=notes.append)}
+    metered = Metered(store=bench.store, pair=1e-3, time_limit=100.0, wanted="1 %", **how)
     assert metered.affordable(390.0)
     assert not metered.affordable(410.0)
     fem = [solve for solve in solves_of(scene, realise(scene)) if solve.method == "fem"]
@@ -289,14 +248,11 @@ def test_finite_elements_that_do_not_fit_are_refused_before_anything_is_solved(r
 
 
 @pytest.mark.parametrize("length", [(1.0, 1.0), (3.0, 2.0), (1.0, 1.0371), (1.0, 0.0913)])
-def test_a_grid_is_found_with_cells_that_are_nearly_square(length, bench):
+def test_a_grid_is_found_with_cells_that_are_nearly_square(length):
     surface = base_surface(hurst=0.7, periods=1.0, bandwidth=4.0, seed=3)
-    short = min(length) / 4
-    surface = surface.model_copy(update={"length": length, "lambda_long": min(length), "lambda_short": short})
-    base = ContactProblem(
-        surface=surface, solid=SolidSpec(young=1e9, poisson=0.3), load=Load(reduced_pressure=0.1)
-    )
-    search = Search(scene=SimpleNamespace(surface=surface), problem=base, target=0.1, bench=None)
+    waves = {"lambda_long": min(length), "lambda_short": min(length) / 4}
+    base = base_case(surface.model_copy(update={"length": length, **waves}), reduced_pressure=0.1)
+    search = Search(scene=SimpleNamespace(surface=base.surface), problem=base, target=0.1, bench=None)
     for level in (3, 4, 12):
         nx, ny = search._grid(level)
         assert base.points_per_wave((nx, ny)) >= level * (1 - 1e-9)
@@ -339,19 +295,3 @@ def test_grids_that_will_be_chosen_may_be_missing_or_too_coarse(write_scene, ben
     beside = str(write_scene(("grids = [[12, 8], [24, 16]]", "grids = [3]")))
     with pytest.raises(SceneError, match=r"methods\.fem\.grids = \[3, 3\]: too coarse"):
         load_asked(beside, grids_chosen=True)
-
-
-def test_where_grids_disagree_more_than_foretold_the_next_ones_are_chosen_so_much_finer(
-    scene, bench, monkeypatch
-):
-    def far_apart(areas):
-        limit = limit_over(areas)
-        return replace(limit, uncertainty=30 * limit.uncertainty)
-
-    monkeypatch.setattr(accuracy_search, "limit_over", far_apart)
-    notes, quiet = [], dict.fromkeys(("start", "begin", "done", "note"), lambda *_: None)
-    progress = SimpleNamespace(**quiet, plan=notes.append)
-    reached = reach(scene, replace(bench, progress=progress), target=0.03)
-    assert reached.error <= 0.03
-    # Of five pairs of grids, each finer than the one before, three are left out.
-    assert sum("this surface on" in note for note in notes) == 2

@@ -40,10 +40,10 @@ def answered(problems, tmp_path_factory):
     if compiler is None:
         pytest.skip("no C compiler")
     place = tmp_path_factory.mktemp("solver")
-    subprocess.run([compiler, "-O2", "-o", "solver", str(SOURCE), "-lm"], cwd=place, check=True)
-    folder = Path(shutil.copytree(problems, place / "answered"))
+    solver, folder = place / "solver", Path(shutil.copytree(problems, place / "answered"))
+    subprocess.run([compiler, "-O2", "-o", solver, SOURCE, "-lm"], check=True)
     for problem in sorted(folder.glob("problem-*")):
-        subprocess.run([str(place / "solver")], cwd=problem, check=True, timeout=120)
+        subprocess.run([solver], cwd=problem, check=True, timeout=120)
         (problem / "answer.json").write_text('{"seconds": 0.25, "iterations": 12}')
     return folder
 
@@ -99,9 +99,8 @@ def test_problems_say_everything_but_what_they_are(problems):
     folders = sorted(problems.glob("problem-*"))
     assert len(folders) > 30
     for place in folders:
-        assert {file.name for file in place.iterdir()} == {
-            *("heights.npy", "heights.txt", "parameters.txt", "problem.json")
-        }
+        names = {file.name for file in place.iterdir()}
+        assert names == {"heights.npy", "heights.txt", "parameters.txt", "problem.json"}
         said = json.loads((place / "problem.json").read_text(encoding="utf-8"))
         heights = np.load(place / "heights.npy")
         np.testing.assert_array_equal(np.loadtxt(place / "heights.txt"), heights)
@@ -113,16 +112,9 @@ def test_problems_say_everything_but_what_they_are(problems):
         assert not any(name in words for name in ("hertz", "westergaard", "honesty", "symmetry", "rough-"))
 
 
-@pytest.mark.parametrize(
-    ("values", "says"),
-    [
-        (np.zeros((3, 3)), r"shape \(3, 3\): must be that of the heights"),
-        (np.array(["a", "b"]), "cannot be read"),
-    ],
-)
-def test_an_answer_that_fits_no_problem_is_refused_by_name(folder, values, says):
-    np.save(folder / "problem-004" / "pressure.npy", values)
-    with pytest.raises(UsageError, match=rf"problem-004.*{says}"):
+def test_an_answer_of_another_shape_is_refused_by_name(folder):
+    np.save(folder / "problem-004" / "pressure.npy", np.zeros((3, 3)))
+    with pytest.raises(UsageError, match=r"problem-004.*shape \(3, 3\): must be that of the heights"):
         score_folder(folder)
 
 
@@ -134,16 +126,10 @@ def test_an_answer_whose_header_is_damaged_is_refused_by_name(folder):
         score_folder(folder)
 
 
-def test_a_folder_without_answers_is_refused(folder):
+def test_what_is_no_answered_challenge_is_refused_and_none_is_exported_over(folder, tmp_path):
     with pytest.raises(UsageError, match="no answer"):
         score_folder(folder)
-
-
-def test_a_folder_that_is_no_challenge_is_refused(tmp_path):
     with pytest.raises(UsageError, match="fem-contact challenge export"):
         score_folder(tmp_path)
-
-
-def test_answers_are_not_exported_over(folder):
     with pytest.raises(UsageError, match="holds a challenge already"):
         export(folder, points=16, tolerance=1e-6)

@@ -24,25 +24,25 @@ def alone():
     return ThreadComm(0, [None], threading.Barrier(1))
 
 
-@pytest.mark.parametrize(
-    "effect",
-    [
-        "",
-        '[[effects]]\nkind = "hardness"\nhardness = "25 kPa"\n',
-        '[[effects]]\nkind = "thickness"\nthickness = "2 um"\n',
-        '[[effects]]\nkind = "coating"\nyoung = "8 MPa"\nthickness = "0.3 um"\n',
-    ],
-)
+EFFECTS = {
+    "": "",
+    "hardness": 'hardness = "25 kPa"',
+    "thickness": 'thickness = "2 um"',
+    "coating": 'young = "8 MPa"\nthickness = "0.3 um"',
+}
+
+
+@pytest.mark.parametrize("kind", EFFECTS)
 def test_the_command_presses_the_surface_of_the_scene_and_uses_finished_grids_again(
-    tmp_path, write_scene, monkeypatch, effect
+    tmp_path, write_scene, monkeypatch, kind
 ):
+    effect = f'[[effects]]\nkind = "{kind}"\n{EFFECTS[kind]}\n' if kind else ""
     one_body = [ONE_BODY] if "thickness" in effect else []
     effects = ("[methods.bem]", f"{effect}[methods.bem]"), ("[methods.theory]", "")
     path = write_scene(*effects, SQUARE_CELLS, *one_body, fem=False)
     monkeypatch.setattr(parallel, "communicator", alone)
-    command = f"run {path} --mpi -o {tmp_path / 'out'}"
-    found = answer_of(command)
-    scene = load_scene(str(path))
+    command, results = f"run {path} --mpi -o {tmp_path / 'out'}", tmp_path / "out" / "mpi"
+    found, scene = answer_of(command), load_scene(str(path))
     solves = [solve for solve in solves_of(scene, realise(scene)) if solve.method == "bem" and solve.is_own]
     for row, solve in zip(found["grids"], solves, strict=True):
         expected = contact_areas(solve.do(threads=1).contact, subcell=not effect)
@@ -50,14 +50,14 @@ def test_the_command_presses_the_surface_of_the_scene_and_uses_finished_grids_ag
         for name, value in asdict(expected).items():
             same = value if value is None else pytest.approx(value, rel=1e-9)
             assert row["areas"][name] == same, name
-        assert (tmp_path / "out" / "mpi" / f"{solve.key}.h5").exists()
-    path = tmp_path / "out" / "mpi" / f"{solve.key}.json"
-    whole = path.read_bytes()
-    path.write_bytes(whole.replace(b'"pixel": 0.', b'"pixel": 7.'))
+        assert (results / f"{solve.key}.h5").exists()
+    record = results / f"{solve.key}.json"
+    whole = record.read_bytes()
+    record.write_bytes(whole.replace(b'"pixel": 0.', b'"pixel": 7.'))
     outcome = invoke(command, "--json")
-    assert f"{path.name}: damaged" in outcome.stderr
+    assert f"{record.name}: damaged" in outcome.stderr
     assert json.loads(outcome.stdout)["limit"] == found["limit"]
-    path.write_bytes(whole)
+    record.write_bytes(whole)
     monkeypatch.setattr("fem_contact.bem.solve", None)
     assert answer_of(command) == found
     said = output_of(command)
@@ -80,17 +80,15 @@ def test_all_threads_write_one_file_and_the_first_speaks(tmp_path, read_scene, m
 
 
 def test_what_does_not_go_with_mpi_is_refused_in_one_line(tmp_path, read_scene, monkeypatch):
-    scene = read_scene(fem=False)
-    monkeypatch.setitem(sys.modules, "mpi4py", None)
-    with pytest.raises(UsageError, match="--mpi: MPI: needs pip install"):
-        run_parallel(scene, tmp_path, as_json=True, unfit={})
+    def refused(words, *changes, **unfit):
+        with pytest.raises(UsageError, match=words):
+            run_parallel(read_scene(*changes, fem=False), tmp_path, as_json=True, unfit=unfit)
+
+    with monkeypatch.context() as patch:
+        patch.setitem(sys.modules, "mpi4py", None)
+        refused("--mpi: MPI: needs pip install")
     monkeypatch.setattr(parallel, "communicator", alone)
-    with pytest.raises(UsageError, match="--workers: does not go with --mpi"):
-        run_parallel(scene, tmp_path, as_json=True, unfit={"--workers": 2})
-    held = read_scene(("reduced_pressure = 0.1", 'mean_gap = "50 nm"'), fem=False)
-    with pytest.raises(UsageError, match="mean_gap: --mpi presses with a load"):
-        run_parallel(held, tmp_path, as_json=True, unfit={})
+    refused("--workers: does not go with --mpi", **{"--workers": 2})
+    refused("mean_gap: --mpi presses with a load", ("reduced_pressure = 0.1", 'mean_gap = "50 nm"'))
     coarse = ("[12, 8], [24, 16], [48, 32]", "4, 48"), ("shifts = 2", "under_resolved = true")
-    under_resolved = read_scene(*coarse, fem=False)
-    with pytest.raises(UsageError, match="under_resolved: not with --mpi"):
-        run_parallel(under_resolved, tmp_path, as_json=True, unfit={})
+    refused("under_resolved: not with --mpi", *coarse)

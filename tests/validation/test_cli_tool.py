@@ -2,6 +2,7 @@
 
 import json
 import re
+import shutil
 
 import numpy as np
 import pytest
@@ -12,7 +13,6 @@ from small_scene import HARD, SQUARE_CELLS
 from solving import Numbers, solve_all
 from typer.testing import CliRunner
 
-import validation
 from validation.cli import commands as cli
 from validation.cli import scenes
 from validation.cli.options import key_names, scene_names
@@ -23,6 +23,7 @@ from validation.execution.results import read_results
 from validation.execution.store import Store
 from validation.report.estimates import total_error
 from validation.scenes.scene import load_scene
+from validation.scenes.topography.measured import read_topography
 from validation.studies import GROUPS, studies
 
 COMMANDS = ("run", "study", "compare", "validate", "reproduce", "report", "explain", "surface", "scenes")
@@ -62,23 +63,10 @@ def mistake(tool):
     def call(*words):
         code, _, said = tool(*words)
         assert code == 2
+        assert "Traceback" not in said
         return said
 
     return call
-
-
-def flags(command, path=()):
-    """Yield every flag of every command."""
-    for name, further in getattr(command, "commands", {}).items():
-        yield from flags(further, (*path, name))
-    yield from ((path, one) for one in command.params if getattr(one, "is_flag", False))
-
-
-def test_a_flag_is_off_unless_there_is_another_to_turn_it_off():
-    found = list(flags(typer.main.get_command(cli.app)))
-    assert len(found) > 30
-    for path, flag in found:
-        assert flag.default in ((True, None) if flag.secondary_opts else (False, None)), (path, flag.name)
 
 
 def every_command():
@@ -87,6 +75,13 @@ def every_command():
         command = groups.pop()
         groups.extend(getattr(command, "commands", {}).values())
         yield command
+
+
+def test_a_flag_is_off_unless_there_is_another_to_turn_it_off():
+    flags = [one for command in every_command() for one in command.params if getattr(one, "is_flag", False)]
+    assert len(flags) > 30
+    for flag in flags:
+        assert flag.default in ((True, None) if flag.secondary_opts else (False, None)), flag.name
 
 
 def test_help_names_every_command_with_examples_and_the_exit_codes(done):
@@ -114,18 +109,17 @@ def test_no_word_of_a_help_text_is_taken_for_markup():
     assert [text for text in texts if text and Text.from_markup(text).plain != text] == []
 
 
-def test_an_effect_that_does_not_fit_is_named_with_its_file(tool, write_scene):
+@pytest.mark.parametrize("command", ["run", "explain"])
+def test_an_effect_that_does_not_fit_is_named_with_its_file(mistake, write_scene, command):
     path = write_scene(HARD.replace("60 kPa", "1 Pa"))
-    for command in ("run", "explain"):
-        code, _, err = tool(command, path)
-        assert (code, err.count("\n")) == (2, 1)
-        assert f"{path}: [[effects]] 1 hardness = 1 Pa: must not be below the nominal pressure" in err
+    words = "[[effects]] 1 hardness = 1 Pa: must not be below the nominal pressure"
+    assert f"{path}: {words}" in mistake(command, path)
 
 
 def test_a_report_of_nothing_names_the_results_that_are_there(mistake, tmp_path):
-    for folder, record in (("here", "result.json"), ("there", "result.json"), ("empty", "other.json")):
-        (tmp_path / "results" / folder).mkdir(parents=True)
-        (tmp_path / "results" / folder / record).write_text("{}")
+    for place in ("here/result.json", "there/result.json", "empty/other.json"):
+        (tmp_path / "results" / place).parent.mkdir(parents=True)
+        (tmp_path / "results" / place).write_text("{}")
     err = mistake("report results/area")
     assert err.rstrip().endswith("run a scene or study first; results are in results/here, results/there")
 
@@ -140,8 +134,7 @@ def test_a_surface_on_the_smallest_grid_is_written_with_a_word_of_warning(tool, 
 def test_shell_completion_can_be_shown_and_completes_scenes(tmp_path, monkeypatch):
     # The shell is named, for there may be none above the tests to be found out.
     monkeypatch.setenv("_TYPER_COMPLETE_TEST_DISABLE_SHELL_DETECTION", "1")
-    shown = CliRunner().invoke(cli.app, ["--show-completion", "bash"])
-    assert shown.exit_code == 0
+    assert CliRunner().invoke(cli.app, ["--show-completion", "bash"]).exit_code == 0
     monkeypatch.chdir(tmp_path)
     (tmp_path / "quiet.toml").write_text("")
     assert {"quickstart", "quiet.toml"} <= set(scene_names())
@@ -152,10 +145,8 @@ def test_shell_completion_can_be_shown_and_completes_scenes(tmp_path, monkeypatc
     [
         ("study hur", "hurst"),
         ("study hurst --hu", "--hursts"),
-        ("study hurst --dry", "--dry-run"),
         ("run quick", "quickstart"),
         ("run quickstart --set load.f", "load.force="),
-        ("reference --red", "--reduced-pressure"),
         ("reference --theory yang", "yang-persson"),
     ],
 )
@@ -169,44 +160,27 @@ def test_names_and_options_are_completed(line, completed):
     ("line", "words"),
     [
         ("run nowhere", "no such scene"),
-        ("explain missing.toml", "cannot be read"),
         ("scenes show quikstart", "no such scene; did you mean 'quickstart'?"),
         ("explain quickstart --set 'yung=3 GPa'", "did you mean 'solid.young'?"),
         ("run quickstart --memory '4 kg'", "--memory = '4 kg': is not a memory size"),
         ("run quickstart --workers 2 --scheduler tcp://x:1", "not together with --scheduler"),
-        ("run quickstart --memory '1 MiB'", "raise the limit with --memory"),
-        ("run quickstart --memory 3", "raise the limit with --memory"),
-        ("run pyrex --accuracy 1%", "--accuracy"),
         ("run quickstart --accuracy one", "--accuracy = 'one': must be a share such as 1% or 0.01"),
         ("run quickstart --accuracy 1% --time-limit 0", "--time-limit = '0': must be greater than 0"),
-        ("run quickstart --accuracy 1% --time-limit '3 m'", "--time-limit = '3 m': is not a time"),
         ("run quickstart --time-limit '3 s'", "--time-limit = '3 s': belongs to --accuracy"),
         ("run quickstart --accuracy 1% --dry-run", "--dry-run: not together with --accuracy"),
         ("run quickstart --accuracy 1% --scheduler tcp://x:1", "--scheduler: not together with --accuracy"),
-        ("study nothing", "no such study; one of: "),
         ("study --lst", "study --lst: no such option; did you mean '--list'?"),
         ("study presure", "no such study; did you mean 'pressure'?; one of: "),
         ("study area --surfaces", "--surfaces: needs a value"),
-        ("study adhesion --grids 64", "--grids = 64: must have at least 2 values"),
         ("study area --hurts 1", "unknown option '--hurts'; did you mean '--hurst"),
-        ("study depth quickstart", "takes no scene: its surface is the one"),
         ("study area --set seed=3", "--set seed=3: sets a key of a scene; name one after the study"),
-        (
-            "run quickstart --set sweep.seed=[1] --set sweep.hurst=.5",
-            "surface.hurst = 0.5: must be a list of",
-        ),
         (
             f"run quickstart --set 'sweep.seed={[*range(65)]}' --set 'sweep.hurst={[0.5] * 65}'",
             "makes 4225 scenes; must be at most",
         ),
-        (
-            "study area quickstart --set 'sweep.seed=[1, 2]'",
-            "makes it many scenes; a study is asked about one",
-        ),
-        ("validate hert", "no such case; did you mean 'hertz'?"),
+        ("study area quickstart --set 'sweep.seed=[1, 2]'", "makes it many scenes; a study is asked"),
         ("validate --method bem hertz", "by all rows; leave out hertz"),
         ("report nowhere", "holds no results (result.json)"),
-        ("surface inspect nowhere.npy", "cannot be read"),
         ("surface generate quickstart rough.docx", "the suffix must be one of .npy, .txt, .nc, .x3p"),
         ("surface generate quickstart no/where.npy", "not written"),
         ("run quickstart --store /proc/nothing", "--store = '/proc/nothing': cannot be written to"),
@@ -220,23 +194,15 @@ def test_a_mistake_is_one_line_on_stderr_and_exit_code_2(tool, line, words):
     assert out == ""
 
 
-def test_an_unknown_option_is_exit_code_2_without_a_traceback(mistake):
-    err = mistake("run --frobnicate")
-    assert "--frobnicate" in err
-    assert "Traceback" not in err
-
-
 def test_explain_says_what_runs_and_what_is_left_out_and_solves_nothing(done, tmp_path):
     out = done("explain quickstart")
     for words in ("512 x 512", "unknowns", "seconds", "MiB", "adhesion", "hardness", "unknown without"):
         assert words in out
-    assert list(tmp_path.iterdir()) == []
     data = json.loads(done("explain quickstart --json"))
+    assert list(tmp_path.iterdir()) == []
     assert {grid["method"] for grid in data["grids"]} == {"bem", "fem"}
     assert data["seconds"] == pytest.approx(sum(grid["seconds"] for grid in data["grids"]))
     assert data["peak_bytes"] == max(grid["peak_bytes"] for grid in data["grids"])
-    (heads,) = [line for line in out.splitlines() if "unknowns" in line]
-    assert heads.index("solves") < heads.index("seconds") < heads.index("peak")
 
 
 def test_keys_of_a_scene_are_listed_with_unit_meaning_and_default(done):
@@ -251,14 +217,12 @@ def test_keys_of_a_scene_are_listed_with_unit_meaning_and_default(done):
     assert "load.mean_gap=" in key_names()
 
 
-def test_scenes_are_listed_and_copied(done, mistake, tmp_path):
-    assert "quickstart" in done("scenes list")
+def test_scenes_are_copied_under_a_name_of_their_own(done, mistake, tmp_path):
     done("scenes copy quickstart mine.toml")
     shown = done("scenes show quickstart")
     # Its file names it: with the name of the original it would write over that one's results.
     assert (tmp_path / "mine.toml").read_text() == shown.replace('name = "quickstart"\n', "")
-    err = mistake("scenes copy quickstart mine.toml")
-    assert "File exists" in err
+    assert "File exists" in mistake("scenes copy quickstart mine.toml")
 
 
 @pytest.mark.parametrize(
@@ -279,17 +243,15 @@ def test_a_failed_solve_and_ctrl_c_have_exit_codes_and_a_sentence(tool, monkeypa
 
 
 def test_a_dry_run_lists_solves_and_does_none(done, tmp_path):
-    out = done("run quickstart --dry-run")
-    assert len(out.splitlines()) <= 10
-    heads, *kinds, last = out.splitlines()
+    heads, *kinds, last = done("run quickstart --dry-run").splitlines()
+    assert len(kinds) <= 8
     assert heads.split()[-4:] == ["solves", "stored", "seconds", "MiB"]
-    assert sum(int(line.split()[-4]) for line in kinds) == 57
+    counts, _, seconds, sizes = zip(*(map(float, line.split()[-4:]) for line in kinds), strict=True)
+    assert sum(counts) == 57
     assert last.startswith("57 of 57 solves are to be done")
-    foretold = sum(float(line.split()[-2]) for line in kinds)
-    assert float(re.search(r"in about (\S+) s", last)[1]) == pytest.approx(foretold, rel=0.06)
+    assert float(re.search(r"in about (\S+) s", last)[1]) == pytest.approx(sum(seconds), rel=0.06)
     rows = json.loads(done("run quickstart --dry-run --json"))
-    largest = max(row["peak_bytes"] for row in rows) / 2**20
-    assert max(float(line.split()[-1]) for line in kinds) == pytest.approx(largest, rel=0.06)
+    assert max(sizes) == pytest.approx(max(row["peak_bytes"] for row in rows) / 2**20, rel=0.06)
     assert len(rows) == 57
     assert all(row["seconds"] > 0 and row["peak_bytes"] > 0 and not row["stored"] for row in rows)
     plan = json.loads(done("study area --seed 5 --surfaces 2 --dry-run --json"))
@@ -297,15 +259,14 @@ def test_a_dry_run_lists_solves_and_does_none(done, tmp_path):
     assert list(tmp_path.iterdir()) == []
 
 
+_LESS = ("--no-ladders", "--methods bem")
+
+
 def test_a_planned_study_says_what_may_be_left_out(tool):
     options = "--hursts .5 --bandwidths 2 --pairs 2 --ladder-hursts .5 --ladder-pairs 2 --dry-run"
-    _, _, all_of_it = tool(f"study hurst {options}")
-    assert re.findall("note: (--[a-z]+(?:-| )[a-z]+) leaves out", all_of_it) == [
-        "--no-ladders",
-        "--methods bem",
-    ]
-    code, _, less = tool(f"study hurst {options} --no-ladders --methods bem")
-    assert (code, "leaves out" in less) == (0, False)
+    left_out = r"note: (--[a-z]+(?:-| )[a-z]+) leaves out"
+    notes = [re.findall(left_out, tool(f"study hurst {options} {less}")[2]) for less in ("", *_LESS)]
+    assert notes == [[*_LESS], [_LESS[1]], [_LESS[0]]]
 
 
 def test_options_stand_in_the_scene_too_and_the_command_line_goes_before(write_scene, tool, done, tmp_path):
@@ -320,9 +281,9 @@ def test_options_stand_in_the_scene_too_and_the_command_line_goes_before(write_s
     assert not (tmp_path / "there" / "solves").exists()
     out = done("run", path, "--output", "here", "--no-report")
     assert "Solves done: 0, found finished: 12" in out
-    for column in ("method", "grid", "A/A0, counted", "kappa"):
-        assert column in out
+    assert all(column in out for column in ("method", "grid", "A/A0, counted", "kappa"))
     assert (tmp_path / "here" / "table.csv").exists()
+    assert not (tmp_path / "here" / "report.html").exists()
     summary = json.loads(done("run", path, "--output", "here", "--no-report", "--json"))
     assert summary["kind"] == "run"
     assert summary["findings"][0]["values"]
@@ -346,38 +307,31 @@ def test_a_wrong_option_in_the_scene_is_named(write_scene, mistake, tmp_path, li
     assert words in err
 
 
-def test_what_a_stranger_wrote_is_shown_harmlessly(write_scene, tool, done, tmp_path, monkeypatch):
-    path = write_scene(('title = "A small scene"', 'title = "a [/] b [red]c <script>"'), fem=False)
-    out = done("run", path, "--no-pictures")
-    assert "a [/] b [red]c <script>" in out
-    assert "c <script>" not in (tmp_path / "results" / "small" / "report.html").read_text()
+def test_what_a_stranger_named_is_shown_harmlessly(tool, tmp_path):
     np.save(tmp_path / "a\x1b[31m\u202eb.npy", np.ones((3, 3)))
-    for words in (("surface", "inspect", "a\x1b[31m\u202eb.npy"), ("run", "a\x1b[31m\u202eb.toml")):
-        code, out, err = tool(*words)
+    for command in ("surface inspect 'a\x1b[31m\u202eb.npy'", "run 'a\x1b[31m\u202eb.toml'"):
+        code, out, err = tool(command)
         assert code == 2
         assert r"a\x1b[31m\u202eb" in err
         assert "\x1b" not in out + err
 
 
 def test_links_that_lead_out_of_the_results_are_not_followed(write_scene, tool, done, mistake, tmp_path):
-    path = write_scene(fem=False)
-    (tmp_path / "elsewhere").mkdir()
-    (tmp_path / "results").mkdir()
-    link = tmp_path / "results" / "small"
-    link.symlink_to(tmp_path / "elsewhere")
+    path, elsewhere, link = write_scene(fem=False), tmp_path / "elsewhere", tmp_path / "results" / "small"
+    elsewhere.mkdir()
+    link.parent.mkdir()
+    link.symlink_to(elsewhere)
     err = mistake("run", path)
     assert "'results/small' is a link that leads to" in err
     assert "say --output 'results/small' to follow it" in err
     link.unlink()
     link.mkdir()
-    (link / "solves").symlink_to(tmp_path / "elsewhere")
+    (link / "solves").symlink_to(elsewhere)
     assert "say --store 'results/small/solves' to follow it" in tool("run", path)[2]
-    assert not list((tmp_path / "elsewhere").iterdir())
-    (link / "solves").unlink()
-    link.rmdir()
+    assert not list(elsewhere.iterdir())
+    shutil.rmtree(link.parent)
     # A folder of results may itself be a link to a larger disk.
-    (tmp_path / "results").rmdir()
-    (tmp_path / "results").symlink_to(tmp_path / "elsewhere")
+    link.parent.symlink_to(elsewhere)
     done("run", path, "--dry-run")
 
 
@@ -389,11 +343,9 @@ def test_a_grid_that_no_memory_holds_is_refused(mistake, tmp_path):
 
 
 def test_surfaces_are_generated_inspected_and_converted(done, mistake, tmp_path):
-    out = done("surface generate quickstart rough.nc --grid 48")
-    assert "48 x 48 heights" in out
+    assert "48 x 48 heights" in done("surface generate quickstart rough.nc --grid 48")
     mistake("surface generate quickstart rough.nc")
-    facts = json.loads(done("surface inspect rough.nc --json"))
-    scene = json.loads(done("surface inspect quickstart --json"))
+    facts, scene = (json.loads(done(f"surface inspect {of} --json")) for of in ("rough.nc", "quickstart"))
     assert facts["h'_rms (spectral)"] == pytest.approx(scene["h'_rms (spectral)"], rel=1e-9)
     assert facts["missing points"] == 0
     # Nayak's parameter is one of a periodic map, whose waves are its own.
@@ -404,52 +356,38 @@ def test_surfaces_are_generated_inspected_and_converted(done, mistake, tmp_path)
     done("surface convert rough.nc rough.txt")
     out = done("surface convert rough.txt rough.npy --length '100 um' --unit '1 m'")
     assert 'it does not say length = [0.0001, 0.0001] (m) and unit = "1 m"' in out
-    from validation.scenes.topography.measured import read_topography
-
-    np.testing.assert_array_equal(
-        np.load(tmp_path / "rough.npy"), read_topography(tmp_path / "rough.nc").heights
-    )
+    heights = read_topography(tmp_path / "rough.nc").heights
+    np.testing.assert_array_equal(np.load(tmp_path / "rough.npy"), heights)
 
 
 def test_a_file_that_does_not_say_size_or_unit_is_asked_for_them(tool, done, tmp_path):
     np.save(tmp_path / "scan.npy", np.outer(np.sin(np.arange(16)), np.ones(16)))
-    for said, words in (
-        ("", ("--length: missing, and 'scan.npy' does not say it; size L", "--unit: missing")),
-        ("--length '1 um'", ("--unit: missing, and 'scan.npy' does not say it; unit of",)),
-        ("--unit '1 nm'", ("--length: missing, and 'scan.npy' does not say it; size L",)),
-    ):
+    length, unit = "--length: missing, and 'scan.npy' does not say it; size L", "--unit: missing"
+    for said, words in (("", (length, unit)), ("--length '1 um'", (unit,)), ("--unit '1 nm'", (length,))):
         code, _, err = tool(f"surface inspect scan.npy {said}")
         assert (code, err.count("\n")) == (2, len(words))
         assert all(line in err for line in words)
     facts = json.loads(done("surface inspect scan.npy --length '1 um' --unit '1 nm' --json"))
     assert facts["h_rms [m]"] == pytest.approx(1e-9 * np.std(np.sin(np.arange(16))), rel=1e-9)
     assert 0.5 < facts["edge jump over typical step"] < 4
+    assert "scan.npy: 16 x 16 points" in facts["treatment"]
     np.save(tmp_path / "cut.npy", np.outer(np.linspace(-1.0, 1.0, 64) ** 9, np.ones(48)))
-    size = "--length '1 um,750 nm' --unit '1 nm'"
-    cut = json.loads(done(f"surface inspect cut.npy {size} --json"))
+    cut = json.loads(done("surface inspect cut.npy --length '1 um,750 nm' --unit '1 nm' --json"))
     assert cut["points"] == "64 x 48"
-    assert "64 x 48 heights" in done(f"surface convert cut.npy cut.txt {size}")
     assert {"h'_rms (differences)"} == {key for key in cut if "h'_rms" in key}
     assert "Nayak parameter" not in cut
-    assert "scan.npy: 16 x 16 points" in facts["treatment"]
-
-
-def test_the_version_is_that_of_the_package(tool):
-    assert tool("--version") == (0, f"fem-contact {validation.__version__}\n", "")
 
 
 def test_a_conversion_levels_fills_and_tapers_and_says_so(tool, mistake, tmp_path):
-    x = np.linspace(0, 1, 40)
+    x, size = np.linspace(0, 1, 40), "--length '10 um' --unit '1 nm'"
     heights = 100 * np.sin(9 * x)[:, None] * np.cos(7 * x)[None, :] + 500 * x[:, None]
     heights[5:8, 9] = np.nan
     np.savetxt(tmp_path / "scan.txt", heights)
-    err = mistake("surface convert scan.txt out.nc --length '10 um' --unit '1 nm'")
-    assert "3 of 1600 heights are NaN" in err
+    assert "3 of 1600 heights are NaN" in mistake(f"surface convert scan.txt out.nc {size}")
     treatment = "--tilt plane --missing nearest --edges hann"
-    code, out, err = tool(f"surface convert scan.txt out.nc --length '10 um' --unit '1 nm' {treatment}")
+    code, out, err = tool(f"surface convert scan.txt out.nc {size} {treatment}")
     assert code == 0, err
-    for words in ("plane taken out", "filled: nearest", "hann taper"):
-        assert words in err
+    assert all(words in err for words in ("plane taken out", "filled: nearest", "hann taper"))
     assert "40 x 40 heights" in out
     mistake("surface convert scan.txt o.nc --length '1 kg'")
 
@@ -486,49 +424,36 @@ def test_reproduce_prints_the_claims(done, monkeypatch, tmp_path):
 
 
 def test_an_accuracy_is_reached_told_and_stored_and_not_solved_again(tool, write_scene, tmp_path):
-    path = write_scene(fem=False)
+    path, results = write_scene(fem=False), tmp_path / "results"
     code, out, err = tool("run", path, "--accuracy", "5%", "--no-pictures", "-q")
     assert (code, err) == (0, "")
     assert "Asked for 5 %: A/A0 = " in out
-    kept = read_results(tmp_path / "results" / "small-accuracy")
-    told = kept.settings["accuracy"]
+    kept = read_results(results / "small-accuracy")
+    data, told = kept.data, kept.settings["accuracy"]
     assert told["error"] <= told["target"] == 0.05
     assert f"\nSolves done: {told['solves']}, found finished: 0." in out
-    assert not (tmp_path / "results" / "small" / "report.html").exists()
-    assert kept.data.grid.values.tolist() == [f"{nx} x {ny}" for nx, ny in told["grids"]]
-    assert float(kept.data.area_own) == pytest.approx(told["area"], rel=1e-14)
-    assert float(kept.data.accuracy_reached) == told["error"]
-    page = (tmp_path / "results" / "small-accuracy" / "report.html").read_text()
-    assert "asked 5\u00a0%, reached" in page
-    solver = float(kept.data.area_own_error.sel(source="solver"))
+    assert not (results / "small" / "report.html").exists()
+    assert data.grid.values.tolist() == [f"{nx} x {ny}" for nx, ny in told["grids"]]
+    assert float(data.area_own) == pytest.approx(told["area"], rel=1e-14)
+    assert float(data.accuracy_reached) == told["error"]
+    assert "asked 5\u00a0%, reached" in (results / "small-accuracy" / "report.html").read_text()
+    solver = float(data.area_own_error.sel(source="solver"))
     assert solver == pytest.approx(7 * told["tolerance"] * told["area"], rel=1e-12)
-    assert float(total_error(kept.data, "area_own")) == pytest.approx(told["error"] * told["area"], rel=1e-12)
-    again = reach(
-        load_scene(str(path)), Bench.at(tmp_path / "results" / "small" / "solves"), target=told["target"]
-    )
+    assert float(total_error(data, "area_own")) == pytest.approx(told["error"] * told["area"], rel=1e-12)
+    again = reach(load_scene(str(path)), Bench.at(results / "small" / "solves"), target=told["target"])
     assert (again.solves, again.area, again.error) == (0, told["area"], told["error"])
 
 
-def test_a_study_leaves_its_report_unless_it_is_told_not_to(done, tmp_path):
-    for option, there in (("", True), ("--no-report", False)):
-        done(f"study graded --waves 5 -o {there} {option}")
-        assert (tmp_path / str(there) / "report.html").exists() == there
-
-
-def test_every_option_of_every_study_says_what_it_is(tool, mistake):
+def test_every_option_of_every_study_says_what_it_is(done, mistake):
     for name, found in studies().items():
         for flag, field in found.options.flags().items():
-            assert field.description, (name, flag)
-            assert len(field.description) > 2, (name, flag)
+            assert len(field.description or "") > 2, (name, flag)
         lines = "\n".join(found.help_lines())
         assert "None" not in lines
         assert "default: )" not in lines
-    code, out, err = tool("study hurst --help")
-    assert (code, err) == (0, "")
+    out = done("study hurst --help")
     assert "--equal-nayak a number (may be left out)" in out
     assert "--periods a number (default: " in out
-    assert "L / lambda_long" in out
-    assert "Example" not in out
     mistake("study nothing -h")
 
 
@@ -548,20 +473,16 @@ def test_a_copied_scene_has_results_of_its_own(tmp_path, file, name):
 def test_store_check_verifies_lists_and_sets_aside(tool, done, mistake, tmp_path):
     store, solves = Store(folder=tmp_path / "solves"), [Numbers(k) for k in range(3)]
     solve_all(solves, store)
-    out = done("store check", store.folder)
-    assert "3 of 3 solves are intact" in out
-    assert "done on" in out or "done between" in out
-    data = bytearray(store.path(solves[1]).read_bytes())
-    data[2000] ^= 1
-    store.path(solves[1]).write_bytes(data)
+    assert re.search("3 of 3 solves are intact.*done (on|between)", done("store check", store.folder), re.S)
+    path, other = map(store.path, solves[1:])
+    path.write_bytes(path.read_bytes()[:-1])
     code, out, err = tool("store check", store.folder, "--list")
     assert code == 1
-    assert f"{store.path(solves[1]).name}: damaged: its bytes are not those that were written" in out
-    assert f"{store.path(solves[0]).name}: intact" in out
+    assert f"{path.name}: damaged" in out
+    assert f"{other.name}: intact" in out
     assert "1 of 3 files are damaged or cannot be read; --set-aside" in err
     out = done("store check", store.folder, "--set-aside", "--json")
     assert [row["intact"] for row in json.loads(out)].count(False) == 1
-    assert store.path(solves[1]).with_suffix(".nc.corrupt").exists()
+    assert path.with_suffix(".nc.corrupt").exists()
     assert "2 of 2 solves are intact" in done("store check", store.folder)
-    err = mistake("store check", tmp_path / "nowhere")
-    assert "is no folder" in err
+    assert "is no folder" in mistake("store check", tmp_path / "nowhere")

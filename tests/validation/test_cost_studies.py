@@ -1,7 +1,6 @@
 """What accuracy costs: external_codes, memory, scaling with the grid, levels of grids."""
 
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -9,13 +8,10 @@ import xarray as xr
 from gold.asked import STUDIES
 
 from fem_contact import HalfSpace, NotConverged, bem, contact_areas
-from validation.execution.results import Result
 from validation.measurements import by_solver, external_codes, ways
 from validation.measurements.by_solver import beside_bem
 from validation.measurements.common import base_case, base_surface
-from validation.measurements.theory import RANKED
 from validation.studies import accuracy_cost
-from validation.studies._outputs import study_page
 
 
 @pytest.fixture(scope="module")
@@ -26,24 +22,13 @@ def costs(bench):
         return accuracy_cost.run(accuracy_cost.Options(**told), bench=bench)
 
 
-def test_every_way_has_a_time_a_memory_and_an_error(costs):
-    assert np.all(costs.seconds > 0)
-    assert np.all(costs.peak_bytes > 0)
-    assert np.all(np.isfinite(costs.area_deviation_each))
-    coarse, fine = (costs.sel(way=f"BEM pixel, {n} per wave") for n in (3, 6))
-    assert fine.peak_bytes > 3 * coarse.peak_bytes
-    assert abs(fine.area_deviation_each).max() < abs(coarse.area_deviation_each).max()
-
-
 def test_ways_of_one_surface_are_of_the_grids_and_shifts_they_are_named_by(monkeypatch):
     load, grid, shift = np.ogrid[:1, :3, :4]
-    areas = {name: 100.0 * k + 10 * grid + shift + load for k, name in enumerate(ways.AREAS)}
-    costs = {"seconds": 1.0 + grid + 0 * shift, "peak_bytes": 2.0 ** (10 + grid) + 0 * shift}
-    dims = ("load", "grid", "shift")
-    measured = xr.Dataset(
-        {name: (dims, values + 0 * load) for name, values in (areas | costs).items()},
-        coords={"points_per_wave": ("grid", [3.0, 4.0, 6.0])},
-    )
+    numbers = {name: 100.0 * k + 10 * grid + shift + load for k, name in enumerate(ways.AREAS)}
+    ones = 1.0 + 0 * (shift + load)
+    numbers |= {"seconds": (1 + grid) * ones, "peak_bytes": 2 ** (10 + grid) * ones}
+    data = {name: (("load", "grid", "shift"), values) for name, values in numbers.items()}
+    measured = xr.Dataset(data, coords={"points_per_wave": ("grid", [3.0, 4.0, 6.0])})
     monkeypatch.setattr(ways, "area_limits", lambda some: [[float(some.pixel.mean())]])
     told = {
         way.way: (float(way.area_each[0]), float(way.seconds), float(way.peak_bytes))
@@ -65,23 +50,16 @@ def test_a_front_in_time_and_one_in_memory_hold_no_beaten_way(costs):
             assert not np.any((error < error[k]) & (price <= price[k]))
 
 
-def test_the_fastest_and_the_leanest_way_are_named_where_the_reference_tells_them(costs):
-    good = costs.area_deviation_rms.values <= 0.1
-    loose = costs.isel(target=0)
-    assert float(loose.seconds_fastest) == pytest.approx(float(costs.seconds.values[good].min()))
-    assert float(loose.peak_bytes_leanest) == pytest.approx(float(costs.peak_bytes.values[good].min()))
+def test_the_leaner_of_equals_is_named_and_none_where_the_reference_does_not_tell_them(costs):
     plain = costs.drop_dims(["target", "front_seconds", "front_peak_bytes"])
-    against = ways.chosen_ways(plain.assign(seconds=1e6 / plain.peak_bytes)).isel(target=0)
-    assert float(against.seconds_fastest) == pytest.approx(1e6 / plain.peak_bytes.values[good].max())
-    assert float(against.peak_bytes_leanest) == float(loose.peak_bytes_leanest)
     # Of ways that take as long, the leaner is named.
     for ordered in (plain, plain.isel(way=slice(None, None, -1))):
         tied = ways.chosen_ways(ordered.assign(seconds=0 * ordered.seconds + 1.0)).isel(target=0)
-        assert float(tied.peak_bytes_fastest) == float(loose.peak_bytes_leanest)
+        assert float(tied.peak_bytes_fastest) == float(costs.peak_bytes_leanest[0])
     unknown = ways.chosen_ways(plain.assign(reference_rms=0.02))
     assert str(unknown.way_fastest[-1].item()).startswith("not determinable")
-    known = plain.assign(reference_rms=0.0)
-    none = ways.chosen_ways(known.assign(area_deviation_rms=plain.area_deviation_rms + 1))
+    far = {"reference_rms": 0.0, "area_deviation_rms": plain.area_deviation_rms + 1}
+    none = ways.chosen_ways(plain.assign(far))
     assert set(none.way_fastest.values) == {"none of the ways tried"}
     assert none.seconds_fastest.isnull().all()
 
@@ -120,15 +98,6 @@ def test_a_peer_is_held_against_the_same_area_and_the_same_measure_of_memory(cos
     names = both.way.values[ways.pareto_front(both, "peak_bytes")]
     assert {name.split()[0] for name in names} <= {"tamaas", "fem_contact"}
     assert not any("tamaas" in name for name in both.way_leanest.values)
-
-
-def test_what_is_ranked_and_what_is_compared_is_cited(costs):
-    data = costs.assign_attrs(methods="bem tamaas xu")
-    result = Result(kind="study", name="accuracy-cost", settings={}, store=Path(), data=data)
-    page = study_page(result, figures=False)
-    assert any(paper.startswith("tamaas: ") for paper in page.papers)
-    assert any("Xu" in paper for paper in page.papers)
-    assert "xu" in RANKED.split()
 
 
 def peer(code, *, seed=4177, grid_share=0.1):
@@ -182,10 +151,8 @@ def test_an_installed_peer_counts_the_area_that_is_counted_here(code):
     assert abs(float(found.pixel - found.pixel_bem)) < 0.1 * 0.103 * float(found.pixel) * 2
     # The same areas are read off its pressures as off ours.
     own = solve["problem"]
-    half_space = HalfSpace(solid=own.elastic)
-    exact = contact_areas(
-        bem.solve(own.heights((64, 64)), half_space, mean_pressure=own.pressure).checked(), subcell=True
-    )
+    pressed = bem.solve(own.heights((64, 64)), HalfSpace(solid=own.elastic), mean_pressure=own.pressure)
+    exact = contact_areas(pressed.checked(), subcell=True)
     for name in ("perimeter", "subcell"):
         assert float(found[name]) == pytest.approx(getattr(exact, name), rel=0.02)
     # The interpreter and what it loads are not counted.

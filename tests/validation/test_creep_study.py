@@ -7,7 +7,6 @@ from fem_contact import PronySolid, contact_areas, creep
 from persson import StandardSolid, contact_area, stress_variance
 from validation.measurements.common import base_case
 from validation.scenes.tables import SolidSpec
-from validation.studies import creep as creep_study
 
 
 def test_the_study_is_the_solver_on_the_finest_grid_and_the_theory_of_its_gradient(asked):
@@ -31,12 +30,3 @@ def test_the_study_is_the_solver_on_the_finest_grid_and_the_theory_of_its_gradie
     missed = abs(data.area_each - data.area_crept_each).isel(phase=0).max("instant").mean("surface")
     solver = data.area_error.sel(source="solver").transpose("phase", "instant")
     assert solver.values == pytest.approx(np.full((2, 2), missed), rel=1e-12)
-
-
-def test_each_number_of_a_held_contact_is_called_what_it_is(asked):
-    area, theory, left, steps = [one.text for one in creep_study.views(asked("creep")[1]).findings]
-    assert area.startswith("Held, A/A0 is ")
-    assert theory.startswith("Held, it is ")
-    assert "Persson's" in theory
-    assert "of the load left, A/A0 beside a solid that never carried more is " in left
-    assert "the steps in time miss it by at most" in steps

@@ -51,12 +51,10 @@ def _of_tables():
         importlib.import_module(module.name)
     for table in _below(BaseModel):
         if table.__module__.startswith("validation."):
+            place = f"{table.__module__.removeprefix('validation.')}.{table.__qualname__}"
             for key, schema in table.model_json_schema().get("properties", {}).items():
-                place = f"{table.__module__.removeprefix('validation.')}.{table.__qualname__}"
-                yield (
-                    f"{place}.{key}",
-                    {"default": schema.get("default"), "bounds": sorted(map(str, _bounds(schema)))},
-                )
+                bounds = sorted(map(str, _bounds(schema)))
+                yield f"{place}.{key}", {"default": schema.get("default"), "bounds": bounds}
 
 
 def _of_commands(command, path="fem-contact"):
@@ -92,11 +90,10 @@ def found():
     by_size = Hardness(hardness=1e9, size_wavelength=1e-6, size_exponent=0.5)
     pairs += [("contacts until one bears its hardness by size", by_size.solves)]
     # Quantities, also those that only a command line has.
-    annotated = ((name, kind) for name, kind in vars(units).items() if get_origin(kind) is Annotated)
-    pairs += [
-        (f"units.{n}", {"bounds": sorted(map(str, _bounds(TypeAdapter(k).json_schema())))})
-        for n, k in annotated
-    ]
+    for name, kind in vars(units).items():
+        if get_origin(kind) is Annotated:
+            bounds = sorted(map(str, _bounds(TypeAdapter(kind).json_schema())))
+            pairs.append((f"units.{name}", {"bounds": bounds}))
     for owner in (fc, persson, notebook):
         pairs += _of_functions(owner, owner.__name__)
     return json.loads(json.dumps(dict(pairs), default=repr))

@@ -48,13 +48,8 @@ def solve(heights, lengths, *, contact_modulus, mean_pressure, tolerance, hardne
     solid = HalfSpace(solid=Solid(young=contact_modulus, poisson=0.0))
     return bem.solve(field, solid, mean_pressure=mean_pressure, tolerance=1e-10).pressure
 """
-#: Of what a theory says, by its arguments.
-_SAID = {
-    "area": "pressure",
-    "pressure_distribution": "stress, pressure",
-    "mean_gap": "pressure",
-    "elastic_energy": "pressure",
-}
+_SAID = {"pressure_distribution": "stress, pressure"}
+_SAID |= dict.fromkeys(("area", "mean_gap", "elastic_energy"), "pressure")
 OWN_THEORY = """
 from types import SimpleNamespace
 from validation.measurements.theory import Waves
@@ -86,9 +81,8 @@ def differing(first, second, *, rtol=0.0):
 
 def only(first, second):
     """Names that one of two records has alone, but for what is drawn."""
-    return {
-        name for name in map(str, set(first.variables) ^ set(second.variables)) if not _DRAWN.fullmatch(name)
-    }
+    apart = set(first.variables) ^ set(second.variables)
+    return {name for name in map(str, apart) if not _DRAWN.fullmatch(name)}
 
 
 @pytest.fixture(scope="module", params=MORE)
@@ -99,17 +93,21 @@ def doors(request, once, tmp_path_factory):
 
 
 def _by_every_door(case, folder):
-    scene = folder / "scene.toml"
+    scene, store = folder / "scene.toml", f"--store {folder / 'solves'}"
     text = small_scene("[methods.theory]\n") + MORE[case]
     scene.write_text(text.replace(*ONE_BODY) if case == "coated" else text)
-    for name in ("run", "again"):
-        output_of(f"run {scene} --output {folder / name} --quiet --no-report")
+
+    def run(name, more=""):
+        output_of(f"run {scene} {more} --output {folder / name} {store} --quiet --no-report")
+
+    run("run")
     several = case == "several"
     if several:
-        output_of(f"compare {folder / 'run'} {folder / 'again'} --output {folder / 'compare'} --no-report")
+        run("again")
+        compared = f"compare {folder / 'run'} {folder / 'again'} --output {folder / 'compare'} --no-report"
+        assert answer_of(compared)["differing"] == {}
     for mode in ("product", "zip") if several else ("product",):
-        one = f"--set sweep.surface.seed=[77] --set sweep.mode={mode}"
-        output_of(f"run {scene} {one} --output {folder / mode} --quiet --no-report")
+        run(mode, f"--set sweep.surface.seed=[77] --set sweep.mode={mode}")
     return folder
 
 
@@ -167,9 +165,8 @@ def test_the_cheapest_way_is_the_least_time_of_a_resolved_grid_close_to_the_limi
 
 @ONE_SURFACE
 def test_the_theory_alone_says_of_a_scene_what_it_says_in_a_notebook_and_beside_a_solver(doors):
-    (doors / "alone.toml").write_text(
-        re.sub(r"\[methods.bem\]\n.*\n", "", (doors / "scene.toml").read_text())
-    )
+    scene = (doors / "scene.toml").read_text()
+    (doors / "alone.toml").write_text(re.sub(r"\[methods.bem\]\n.*\n", "", scene))
     output_of(f"run {doors / 'alone.toml'} --output {doors / 'alone'} --quiet --no-report")
     asked = said(load_scene(str(doors / "alone.toml")))
     alone, run = numbers(doors / "alone"), numbers(doors / "run")
@@ -216,9 +213,8 @@ def test_a_run_beside_itself_differs_in_nothing(doors):
         bare = str(name).removesuffix("_apart")
         assert _CLOCK.fullmatch(bare) or not (both[name].fillna(0) != 0).any(), name
         assert differing(run[[bare]], both.isel(result=k)[[bare]]) == []
-    texts = " ".join(
-        f["text"] for f in json.loads((doors / "compare" / "summary.json").read_text())["findings"]
-    )
+    findings = json.loads((doors / "compare" / "summary.json").read_text())["findings"]
+    texts = " ".join(one["text"] for one in findings)
     assert "No setting differs" in texts
     assert "agree to the last digit" in texts
     errors = [name for name in both if str(name).endswith("_error") and "_apart" not in str(name)]
@@ -254,15 +250,6 @@ def test_every_cell_of_the_reference_is_what_is_looked_up_there():
     assert len(cells[::29]) > 8
 
 
-def test_the_command_looks_up_what_the_notebook_does():
-    printed = answer_of("reference --hurst 0.55 --ratio 9 --reduced-pressure 0.03")
-    here = fc.reference(hurst=0.55, bandwidth=9.0, reduced_pressure=0.03)
-    assert set(here) <= set(printed)
-    for name, value in here.items():
-        assert printed[name]["value"] == value.value, name
-        assert printed[name]["uncertainty"] == value.uncertainty, name
-
-
 def test_boundary_elements_entered_as_the_user_s_own_are_boundary_elements(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     Path("copied_solver.py").write_text(OWN_SOLVER)
@@ -284,15 +271,9 @@ def test_boundary_elements_entered_as_the_user_s_own_are_boundary_elements(tmp_p
 def test_persson_s_theory_entered_as_the_user_s_own_is_his(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     Path("copied_theory.py").write_text(OWN_THEORY)
-    options = theory_verdict.Options(
-        reduced_pressures=(0.02, 0.1),
-        ladder_reduced_pressures=(),
-        theory=("copied_theory",),
-        periods=2.0,
-        bandwidth=2.0,
-        surfaces=2,
-        points_per_wave=(4.0, 6.0),
-    )
+    asked = {"reduced_pressures": (0.02, 0.1), "ladder_reduced_pressures": (), "theory": ("copied_theory",)}
+    small = {"periods": 2.0, "bandwidth": 2.0, "surfaces": 2, "points_per_wave": (4.0, 6.0)}
+    options = theory_verdict.Options(**asked, **small)
     data = theory_verdict.run(options, bench=Bench.at(tmp_path / "solves"))
     over = [name for name, values in data.items() if "theory" in values.dims]
     persson, copied = (data[over].isel(theory=k) for k in (0, -1))

@@ -70,13 +70,16 @@ def test_the_solver_of_the_docs_agrees_with_boundary_elements(own_module):
     assert np.array_equal(found.in_contact, reference.in_contact)
 
 
-def test_another_text_of_the_module_is_another_recipe(own_module):
-    scene = SCENE + '[methods.own]\nsolver = "my_module:solve"\ngrids = [16]\n'
+def own_scene(solver):
+    scene = f'{SCENE}[methods.own]\nsolver = "{solver}"\ngrids = [16]\n' if solver else SCENE
     Path("mine.toml").write_text(scene, encoding="utf-8")
+    return load_scene("mine.toml")
 
+
+def test_another_text_of_the_module_is_another_recipe(own_module):
     def key():
-        loaded = load_scene("mine.toml")
-        return next(solve.key for solve in solves_of(loaded) if solve.method == "own")
+        solves = solves_of(own_scene("my_module:solve"))
+        return next(solve.key for solve in solves if solve.method == "own")
 
     before = key()
     assert key() == before
@@ -86,18 +89,14 @@ def test_another_text_of_the_module_is_another_recipe(own_module):
 
 
 def test_a_module_that_is_not_there_is_refused_before_anything_is_solved(own_module):
-    scene = SCENE + '[methods.own]\nsolver = "no_such_module_here:solve"\ngrids = [16]\n'
-    Path("mine.toml").write_text(scene, encoding="utf-8")
-    loaded = load_scene("mine.toml")
+    loaded = own_scene("no_such_module_here:solve")
     with pytest.raises(UsageError, match=r"methods\.own\.solver.*no module 'no_such_module_here'"):
         check_scene(loaded, realise(loaded))
 
 
 def test_a_claim_of_convergence_is_recomputed_from_the_pressure(own_module):
-    solver = written(
-        "uniform", "return {'pressure': np.full(heights.shape, mean_pressure), 'converged': True}"
-    )
-    found = pressed(solver)
+    claim = "{'pressure': np.full(heights.shape, mean_pressure), 'converged': True}"
+    found = pressed(written("uniform", f"return {claim}"))
     assert found.status is Status.NOT_CONFIRMED
     assert found.residuals.complementarity > 0.1
     with pytest.raises(NotConverged, match="above the tolerance"):
@@ -124,9 +123,8 @@ def test_a_study_whose_solver_fails_is_that_of_the_others(own_module, bench, whe
         if where == "options":
             options = study.parse(["--methods", ",".join(["bem", *methods]), *FEW])
             return study.compute(options, bench=bench)
-        table = f'[methods.own]\nsolver = "{raising}"\ngrids = [16]\n' if raising in methods else ""
-        Path("mine.toml").write_text(SCENE + table, encoding="utf-8")
-        return study.compute(study.parse(["--surfaces", "2"], scene=load_scene("mine.toml")), bench=bench)
+        scene = own_scene(raising if raising in methods else "")
+        return study.compute(study.parse(["--surfaces", "2"], scene=scene), bench=bench)
 
     name, others = ("cross", ("my_module:solve",)) if where == "options" else ("refinement", ())
     found = studied(name, raising, *others)
@@ -138,12 +136,8 @@ def test_a_study_whose_solver_fails_is_that_of_the_others(own_module, bench, whe
 
 
 def test_of_the_methods_of_a_scene_a_study_keeps_those_that_are_named_by_their_solver(own_module):
-    table = '[methods.own]\nsolver = "my_module:solve"\ngrids = [16]\n'
-    Path("mine.toml").write_text(SCENE + table, encoding="utf-8")
-    options = find_study("refinement").parse(["--surfaces", "2"], scene=load_scene("mine.toml"))
-    kept, left = (
-        options._with_methods(names).scene.methods for names in (("bem", "my_module:solve"), ("bem",))
-    )
+    options = find_study("refinement").parse(["--surfaces", "2"], scene=own_scene("my_module:solve"))
+    kept, left = (options._with_methods(("bem", *more)).scene.methods for more in (("my_module:solve",), ()))
     assert kept.own.solver == "my_module:solve"
     assert left.own is None
 
@@ -151,71 +145,49 @@ def test_of_the_methods_of_a_scene_a_study_keeps_those_that_are_named_by_their_s
 #: Options of a study of a second.
 FEW = ("--surfaces", "2", "--bandwidth", "2", "--method-points-per-wave", "3,4")
 
-#: Right pressures, after whatever else a solver does.
+LATE, CRASHED = "took more than 2 s", "crashed its process"
+#: What a solver may do, and what is said of it.
+MISDEEDS = {
+    "raises": ("raise ValueError('no such thing')", "raised ValueError: no such thing"),
+    "crashes": ("import os; os.abort()", CRASHED + r" \(SIGABRT\)"),
+    "sleeps": ("import time; time.sleep(600)", LATE),
+    "shape": ("return np.zeros((2, 2))", r"shape \(2, 2\): must have that of the heights"),
+    "nan": ("return np.full(heights.shape, np.nan)", "pressures are not finite"),
+    "load": ("return np.full(heights.shape, 2 * mean_pressure)", "above the tolerance"),
+    "starts": ("import subprocess as s; s.Popen(['sleep', '600'])\nwhile True: pass", LATE),
+}
+NIGHTLY_MISDEEDS = {
+    "complex": ("return np.full(heights.shape, 1j)", "Cannot cast array data from .*complex128"),
+    "lines": ("raise ValueError('one\\ntwo\\nthree' * 999)", "one"),
+    "strange": ("raise type('Strange', (Exception,), {'__str__': lambda e: 1 / 0})", CRASHED),
+    "private": ("raise type('Private', (BaseException,), {})", "raised RuntimeError: Private"),
+    "interrupts": ("raise KeyboardInterrupt", "raised RuntimeError: KeyboardInterrupt"),
+    "stops": ("import os, signal as s; os.kill(os.getpid(), s.SIGSTOP)", LATE),
+    "recurs": ("return solve(heights, lengths, contact_modulus=1, mean_pressure=1)", "RecursionError"),
+    "closes files": ("import os; os.closerange(0, 99)", CRASHED),
+    "deaf": ("import signal as s\ns.signal(s.SIGTERM, s.SIG_IGN)\nwhile True: pass", LATE),
+    "forks and dies": ("import os, time\nif not os.fork(): time.sleep(600)\nos.abort()", r"\(SIGABRT\)"),
+    "detaches": (
+        "import subprocess as s; s.Popen(['sleep', '600'], start_new_session=True)\nwhile True: pass",
+        LATE,
+    ),
+}
+#: What it may do beside, and its pressures are right.
+HARMLESS = {
+    "forks": "import os, time\nif not os.fork(): time.sleep(600)",
+    "prints": "print('x' * 2**20); import os; os.write(2, b'y' * 2**20)",
+    "closes output": "import os; os.close(1); os.close(2)",
+    "changes folder": "import os; os.chdir('/')",
+    "changes its input": "kept = heights.copy(); heights[:] = 0; heights = kept",
+    "raises at errors": "np.seterr(all='raise')",
+    "seeds": "import random; random.seed(1); np.random.seed(1)",
+    "leaves threads": "import threading as t, time; t.Thread(target=time.sleep, args=(600,)).start()",
+    "clears the temporary folder": "import os, shutil; shutil.rmtree(os.environ['TMPDIR'])",
+}
 RIGHT = """
 import my_module
 return my_module.solve(heights, lengths, contact_modulus=contact_modulus, mean_pressure=mean_pressure)
 """
-#: What a solver may do, and what is said of it; nothing where its pressures are right.
-MISDEEDS = {
-    "raises": ("raise ValueError('no such thing')", "raised ValueError: no such thing"),
-    "crashes": ("import os; os.abort()", r"crashed its process \(SIGABRT\)"),
-    "sleeps": ("import time; time.sleep(600)", "took more than 2 s"),
-    "shape": ("return np.zeros((2, 2))", r"shape \(2, 2\): must have that of the heights"),
-    "nan": ("return np.full(heights.shape, np.nan)", "pressures are not finite"),
-    "load": ("return np.full(heights.shape, 2 * mean_pressure)", "above the tolerance"),
-    "starts": (
-        "import subprocess; subprocess.Popen(['sleep', '600'])\nwhile True: pass",
-        "took more than 2 s",
-    ),
-}
-NIGHTLY_MISDEEDS = {
-    "inf": ("return np.full(heights.shape, np.inf)", "pressures are not finite"),
-    "negative": ("return -np.full(heights.shape, mean_pressure)", "above the tolerance"),
-    "empty": ("return np.empty((0, 0))", r"shape \(0, 0\)"),
-    "complex": ("return np.full(heights.shape, 1j)", "Cannot cast array data from .*complex128"),
-    "text": ("return 'converged'", "Cannot cast"),
-    "ragged": ("return [[1.0], [1.0, 2.0]]", "inhomogeneous"),
-    "lines": ("raise ValueError('one\\ntwo\\nthree' * 999)", "one"),
-    "strange": ("raise type('Strange', (Exception,), {'__str__': lambda e: 1 / 0})", "crashed its process"),
-    "private": ("raise type('Private', (BaseException,), {})", "raised RuntimeError: Private"),
-    "exits": ("raise SystemExit(0)", "raised RuntimeError: SystemExit: 0"),
-    "interrupts": ("raise KeyboardInterrupt", "raised RuntimeError: KeyboardInterrupt"),
-    "ends": ("import os; os._exit(3)", r"crashed its process \(exit status 3\)"),
-    "segfaults": ("import ctypes; ctypes.string_at(0)", r"crashed its process \(SIGSEGV\)"),
-    "stops": ("import os, signal; os.kill(os.getpid(), signal.SIGSTOP)", "took more than 2 s"),
-    "recurs": ("return solve(heights, lengths, contact_modulus=1, mean_pressure=1)", "RecursionError"),
-    "takes memory": ("return np.ones(2**36)", "took more than 4096 MiB of memory"),
-    "gives much": ("return np.broadcast_to(1.0, (2**15, 2**14))", "more than"),
-    "closes files": ("import os; os.closerange(0, 99)" + RIGHT, "crashed its process"),
-    "deaf": (
-        "import signal\nsignal.signal(signal.SIGTERM, signal.SIG_IGN)\nwhile True: pass",
-        "more than 2 s",
-    ),
-    "forks": ("import os, time\nif not os.fork(): time.sleep(600)" + RIGHT, None),
-    "forks and dies": (
-        "import os, time\nif not os.fork(): time.sleep(600)\nos.abort()",
-        r"crashed .*\(SIGABRT\)",
-    ),
-    "detaches": (
-        "import subprocess as s; s.Popen(['sleep', '600'], start_new_session=True)\nwhile True: pass",
-        "took more than 2 s",
-    ),
-    "prints": ("print('x' * 2**20); import os; os.write(2, b'y' * 2**20)" + RIGHT, None),
-    "closes output": ("import os; os.close(1); os.close(2)" + RIGHT, None),
-    "changes folder": ("import os; os.chdir('/')" + RIGHT, None),
-    "changes its input": ("kept = heights.copy(); heights[:] = 0; heights = kept" + RIGHT, None),
-    "raises at errors": ("np.seterr(all='raise')" + RIGHT, None),
-    "seeds": ("import random; random.seed(1); np.random.seed(1)" + RIGHT, None),
-    "leaves threads": (
-        "import threading, time; threading.Thread(target=time.sleep, args=(600,)).start()" + RIGHT,
-        None,
-    ),
-    "clears the temporary folder": (
-        "import os, shutil, tempfile; shutil.rmtree(os.environ['TMPDIR'])" + RIGHT,
-        None,
-    ),
-}
 
 
 def started_under(mark):
@@ -227,50 +199,48 @@ def started_under(mark):
     return marked
 
 
-@pytest.mark.parametrize(
-    "name", [*MISDEEDS, *(pytest.param(name, marks=pytest.mark.nightly) for name in NIGHTLY_MISDEEDS)]
-)
-def test_what_goes_wrong_in_a_foreign_solver_is_a_line_and_its_processes_end(own_module, name, monkeypatch):
+@pytest.fixture
+def unharmed(own_module, monkeypatch):
+    """Nothing is left of a solver: no process, no change of this one."""
     sandbox.end()  # a new process has this environment
     (own_module / "temporary").mkdir()
     monkeypatch.setenv("TMPDIR", str(own_module / "temporary"))
     monkeypatch.setenv("MISDEED", str(own_module))
-    body, says = {**MISDEEDS, **NIGHTLY_MISDEEDS}[name]
-    solver = written(name.replace(" ", "_"), body)
     before = random.getstate(), np.geterr(), Path.cwd()
-    if says is None:
-        reference = find_solver("bem").solve(job(tolerance=1e-10)).contact
-        for function in (solver, "my_module:solve"):  # nor is the next one spoilt
-            assert np.array_equal(pressed(function, seconds=60.0).checked().in_contact, reference.in_contact)
-        sandbox.end()
-    else:
-        with refused(NotConverged, says) as told:
-            pressed(solver, seconds=2.0 if "more than 2 s" in says else 5.0).checked()
-        assert len(str(told.value)) < 1000
-        ended = "process" in str(told.value) or "took more" in str(told.value)
-        if not ended:
-            sandbox.end()
+    yield
     assert not still_running(started_under(str(own_module)), seconds=2)
     assert (random.getstate(), np.geterr(), Path.cwd()) == before
 
 
-def test_a_point_with_a_pressure_of_rounding_size_is_not_in_contact(own_module):
-    solver = written(
-        "haze",
-        """
-        import my_module
-        p = my_module.solve(heights, lengths, contact_modulus=contact_modulus, mean_pressure=mean_pressure)
-        return np.maximum(p, 1e-15 * mean_pressure)
-        """,
-    )
-    found = pressed(solver).checked()
-    assert np.all(found.pressure > 0)
-    assert np.array_equal(found.in_contact, pressed("my_module:solve").in_contact)
+def nightly(names):
+    return [pytest.param(name, marks=pytest.mark.nightly) for name in names]
 
 
-def test_the_edge_of_a_foreign_contact_is_located_as_that_of_boundary_elements(own_module):
+@pytest.mark.parametrize("name", [*MISDEEDS, *nightly(NIGHTLY_MISDEEDS)])
+def test_what_goes_wrong_in_a_foreign_solver_is_a_line_and_its_processes_end(unharmed, name):
+    body, says = {**MISDEEDS, **NIGHTLY_MISDEEDS}[name]
+    with refused(NotConverged, says) as told:
+        pressed(written(name.replace(" ", "_"), body), seconds=2.0 if says is LATE else 5.0).checked()
+    assert len(str(told.value)) < 1000
+    if "process" not in str(told.value) and "took more" not in str(told.value):
+        sandbox.end()
+
+
+@pytest.mark.parametrize("name", nightly(HARMLESS))
+def test_what_a_foreign_solver_does_beside_spoils_neither_its_pressures_nor_the_next_one(unharmed, name):
+    reference = find_solver("bem").solve(job(tolerance=1e-10)).contact
+    for function in (written(name.replace(" ", "_"), HARMLESS[name] + RIGHT), "my_module:solve"):
+        assert np.array_equal(pressed(function, seconds=60.0).checked().in_contact, reference.in_contact)
+    sandbox.end()
+
+
+def test_the_edge_of_a_foreign_contact_is_located_though_a_haze_of_pressure_lies_around_it(own_module):
+    haze = RIGHT.replace("return", "p =") + "return np.maximum(p, 1e-15 * mean_pressure)"
+    contact = pressed(written("haze", haze)).checked()
+    assert np.all(contact.pressure > 0)
     reference = find_solver("bem").solve(job(tolerance=1e-10))
-    found = contact_areas(pressed("my_module:solve").checked(), subcell=True)
+    found = contact_areas(contact, subcell=True)
+    assert np.array_equal(contact.in_contact, reference.contact.in_contact)
     assert found.subcell == pytest.approx(contact_areas(reference.contact, subcell=True).subcell, rel=1e-4)
 
 
@@ -280,29 +250,27 @@ def test_foreign_solvers_stand_after_the_others():
     assert flags == sorted(flags)
 
 
-@pytest.mark.parametrize(
-    ("name", "handled"),
-    [
-        ("own", set()),
-        ("tamaas", {"hardness"}),
-        ("contact_mechanics", {"hardness", "thickness"}),
-        ("calculix", {"thickness"}),
-    ],
-)
-def test_foreign_solvers_are_given_what_they_can_be_given(name, handled):
-    assert {
-        kind.kind_name() for kind in effect_kinds().values() if find_method(name).handles(kind)
-    } == handled
+HANDLED = {
+    "own": set(),
+    "tamaas": {"hardness"},
+    "contact_mechanics": {"hardness", "thickness"},
+    "calculix": {"thickness"},
+}
 
 
-def test_a_layer_that_slides_on_its_base_is_refused_by_name(own_module):
-    tables = "[methods.contact_mechanics]\ngrids = [16]\n"
+@pytest.mark.parametrize("name", HANDLED)
+def test_foreign_solvers_are_given_what_they_can_be_given(name):
+    kinds = [kind for kind in effect_kinds().values() if find_method(name).handles(kind)]
+    assert {kind.kind_name() for kind in kinds} == HANDLED[name]
+
+
+def test_a_layer_that_slides_on_its_base_is_refused_by_name(tmp_path):
     effect = '[[effects]]\nkind = "thickness"\nthickness = 2e-6\nbase = "frictionless"\n'
-    Path("layer.toml").write_text(SCENE.split("[methods")[0] + effect + tables, encoding="utf-8")
-    scene = load_scene("layer.toml")
-    options = scene.methods.options("contact_mechanics")
+    text = small_scene(effect, grids="[16]").replace("methods.bem", "methods.contact_mechanics")
+    scene = scene_in(tmp_path, text)
+    options, peer = scene.methods.options("contact_mechanics"), find_method("contact_mechanics")
     with pytest.raises(UsageError, match=r"\[\[effects\]\] 1 kind = 'thickness'.*'contact_mechanics'"):
-        find_method("contact_mechanics").check(options, realise(scene), scene.effects)
+        peer.check(options, realise(scene), scene.effects)
 
 
 @pytest.mark.parametrize(
@@ -342,14 +310,18 @@ def test_a_peer_that_is_missing_says_what_to_install(name, monkeypatch):
     assert "pip install 'fem-contact[peers]'" in str(find_method(name).available())
 
 
+def installed(name):
+    if (missing := find_solver(name).available()) is not None:
+        pytest.skip(missing)
+    return find_solver(name)
+
+
 @pytest.mark.parametrize(
     ("name", "tolerance", "apart"), [("tamaas", 1e-10, 1e-6), ("contact_mechanics", 1e-9, 1e-4)]
 )
-@pytest.mark.parametrize("load", [1e-4, 0.01, 0.1])
+@pytest.mark.parametrize("load", [1e-4, 0.1])
 def test_a_peer_agrees_with_boundary_elements(name, tolerance, apart, load):
-    peer = find_solver(name)
-    if peer.available() is not None:
-        pytest.skip(str(peer.available()))
+    peer = installed(name)
     solid = Solid(young=2e9, poisson=0.3)
     asked = job(load * solid.contact_modulus, points=64, model=ContactModel(solid=solid), tolerance=tolerance)
     small = HeightField(heights=1e-6 * asked.field.heights[:, ::2], lengths=(1e-6, 1.3e-6))
@@ -366,8 +338,7 @@ def test_a_peer_agrees_with_boundary_elements(name, tolerance, apart, load):
 
 @pytest.mark.parametrize("name", ["tamaas", "contact_mechanics"])
 def test_the_audit_locates_the_edges_of_a_peer_that_comes_first(name, tmp_path):
-    if find_solver(name).available() is not None:
-        pytest.skip(str(find_solver(name).available()))
+    installed(name)
     scene = scene_in(tmp_path, square_scene("[methods.theory]").replace("methods.bem", f"methods.{name}"))
     outputs = run_scene(scene, tmp_path / "run", report=False)
     assert "located" in outputs.result.data.area_basis.item()
@@ -383,9 +354,7 @@ def test_the_audit_locates_the_edges_of_a_peer_that_comes_first(name, tmp_path):
     ],
 )
 def test_a_peer_with_an_effect_agrees_with_boundary_elements(name, effect):
-    peer = find_solver(name)
-    if peer.available() is not None:
-        pytest.skip(str(peer.available()))
+    peer = installed(name)
     model = ContactModel.filled(Solid(young=1.0, poisson=0.3), [effect])
     asked = job(0.02, points=64, model=model, tolerance=1e-9)
     found, ours = (solver.solve(asked) for solver in (peer, find_solver("bem")))

@@ -14,6 +14,7 @@ from refusing import refused
 from small_scene import changed, small_scene
 
 from validation.comparison.explain import explain
+from validation.effects.base import full_contact_energy
 from validation.errors import RunFailed, UsageError
 from validation.scenes import surfaces
 from validation.scenes.mistakes import problems
@@ -22,18 +23,9 @@ from validation.scenes.scene import Scene
 from validation.scenes.surfaces import Expected, expected, height_field
 from validation.studies import find_study, studies
 
-TREE = tomllib.loads(
-    'name = "extreme"'
-    + small_scene(
-        """under_resolved = true
-[methods.fem]
-grids = [16]
-under_resolved = true
-method = "reduced"
-[methods.theory]
-"""
-    )
-)
+MORE = "under_resolved = true\n"
+MORE += f'[methods.fem]\ngrids = [16]\n{MORE}method = "reduced"\n[methods.theory]\n'
+TREE = tomllib.loads('name = "extreme"' + small_scene(MORE))
 
 
 def problem(tree):
@@ -50,26 +42,13 @@ def problem(tree):
 BEYOND = [
     ("surface.length", 5e-324, "surface.length = 5e-324: is out of range; sizes from 1e-30"),
     ("surface.length", "1 m**9**9**9", "has an unknown unit"),
-    ("surface.length", "1 nm squared squared squared", "has an unknown unit"),
-    ("surface.length", "1e999999999 m", "has an unknown unit"),
     ("surface.length", "1" * 5000 + " m", "(5004 characters): must be a length such as"),
     ("surface.length", 10**5000, "a number of thousands of digits: is out of range"),
     ("surface.rms_gradient", 5e-324, "surface.rms_gradient = 5e-324: must lie between 1e-12 and 1e+06"),
-    ("surface.seed", 2**63, "must be less than 9223372036854775808"),
-    ("solid.young", 1e300, "solid.young = 1e+300: is out of range"),
-    ("load.reduced_pressure", 1e300, "must lie between 1e-12 and 1e+06"),
     ("methods.bem.grids", [9 * 10**15], "must have at most 131072 points along a side"),
-    ("methods.bem.grids", [32] * 10**6, "at most 256 values"),
-    (
-        "ensemble",
-        {"realisations": 100_000_000, "grids": [32, 48]},
-        "ensemble.realisations = 100000000: must be less than or equal to 10000",
-    ),
     ("title", "\x1b[31mred", r"must be a line of text; it holds the control character '\x1b'"),
     ("title", "abc\u202edef", r"it holds the control character '\u202e'"),
-    ("title", "two\nlines", r"'\n'"),
     ("title", "x" * 10**6, "(1000002 characters): String should have at most 200 characters"),
-    ("name", "x" * 101, "name = 'xxx"),
 ]
 
 
@@ -88,6 +67,22 @@ EXTREMES = st.one_of(
     st.floats(min_value=0.0, allow_infinity=False),
 )
 WHOLE = st.integers(0, 10**18)
+SIDES = st.integers(2, 200_000)
+
+
+def effect(kind, *keys):
+    return st.fixed_dictionaries({"kind": st.just(kind), **dict.fromkeys(keys, EXTREMES)})
+
+
+ENSEMBLES = st.tuples(st.one_of(WHOLE, st.integers(2, 300)), st.integers(2, 70_000)).map(
+    lambda asked: {"realisations": asked[0], "grids": [asked[1], 2 * asked[1]]}
+)
+EFFECTS = (
+    effect("hardness", "hardness"),
+    effect("adhesion", "work", "reach"),
+    effect("thickness", "thickness"),
+    effect("graded", "bulk_young", "depth"),
+)
 PLACES = {
     "surface.length": st.one_of(EXTREMES, st.lists(EXTREMES, min_size=2, max_size=2)),
     "surface.hurst": st.floats(0, 1),
@@ -99,27 +94,15 @@ PLACES = {
     "solid.young": EXTREMES,
     "solid.poisson": st.floats(-1, 0.5),
     "load.reduced_pressure": EXTREMES,
-    "load": st.builds(lambda p: {"pressure": p}, EXTREMES),
-    "methods.bem.grids": st.lists(st.one_of(WHOLE, st.integers(2, 200_000)), max_size=3),
+    "load": st.fixed_dictionaries({"pressure": EXTREMES}),
+    "methods.bem.grids": st.lists(st.one_of(WHOLE, SIDES), max_size=3),
     "methods.bem.shifts": st.integers(0, 9),
-    "methods.fem.grids": st.lists(st.integers(2, 200_000), max_size=3),
+    "methods.fem.grids": st.lists(SIDES, max_size=3),
     "methods.fem.depth": EXTREMES,
     "methods.fem.growth": st.floats(1, 4),
     "methods.fem.method": st.sampled_from(["full", "reduced"]),
-    "ensemble": st.builds(
-        lambda n, grid: {"realisations": n, "grids": [grid, 2 * grid]},
-        st.one_of(WHOLE, st.integers(2, 300)),
-        st.integers(2, 70_000),
-    ),
-    "effects": st.lists(
-        st.one_of(
-            st.builds(lambda h: {"kind": "hardness", "hardness": h}, EXTREMES),
-            st.builds(lambda w, r: {"kind": "adhesion", "work": w, "reach": r}, EXTREMES, EXTREMES),
-            st.builds(lambda t: {"kind": "thickness", "thickness": t}, EXTREMES),
-            st.builds(lambda e, d: {"kind": "graded", "bulk_young": e, "depth": d}, EXTREMES, EXTREMES),
-        ),
-        max_size=2,
-    ),
+    "ensemble": ENSEMBLES,
+    "effects": st.lists(st.one_of(*EFFECTS), max_size=2),
 }
 CHANGES = st.lists(
     st.sampled_from(sorted(PLACES)).flatmap(lambda place: st.tuples(st.just(place), PLACES[place])),
@@ -128,26 +111,23 @@ CHANGES = st.lists(
 )
 
 
-def explained(changes):
-    """Read and explain a scene with extreme values: how it ended."""
+def explain_changed(changes):
+    """Read and explain a scene with extreme values."""
     tree = {**TREE}
     # Tables before what is in them, or the load of a table that was replaced would be set.
     for place, value in sorted(changes, key=lambda change: -change[0].count(".")):
         tree = changed(tree, place, value)
     if problem(tree):
-        return "refused when read"
+        return
     try:
         found = explain(Scene.model_validate(tree))
     except UsageError as refusal:
         sentence = str(refusal)
     else:
         sentence = ""
-    if sentence:
-        assert "\n" not in sentence
-        return "refused when explained"
-    assert math.isfinite(found.seconds)
-    assert all("nan" not in words for _, words in found.facts)
-    return "explained"
+        assert math.isfinite(found.seconds)
+        assert all("nan" not in words for _, words in found.facts)
+    assert "\n" not in sentence
 
 
 @settings(suppress_health_check=[HealthCheck.too_slow])
@@ -156,7 +136,7 @@ def test_extreme_scenes_are_refused_or_explained(changes):
     # Large surfaces are looked at by their spectrum; this keeps the others small as well.
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(surfaces, "SURVEYED_POINTS", 2**16)
-        explained(changes)
+        explain_changed(changes)
 
 
 def planned(*arguments):
@@ -170,11 +150,9 @@ def planned(*arguments):
     ("arguments", "words"),
     [
         ("heights --periods 1e3", "8000 shortest waves along a side: at most 2048"),
-        ("depth --points-per-wave 5e-324", "must be greater than or equal to 1"),
         ("depth --points-per-wave 1e300", r"4e\+300 points along a side of a grid: must be 2 to 1048576"),
         ("depth --depths 1e300", r"study depth: depth = 1e\+297: must be"),
         ("adhesion --bandwidth 1e3", "must rise, for a limit, from above 2 periods bandwidth = 4000"),
-        ("adhesion --grids 1e3", "--grids = '1e3': must be a valid integer"),
     ],
 )
 def test_a_plan_beyond_reason_is_refused_before_it_is_made(arguments, words):
@@ -221,8 +199,6 @@ def test_what_the_spectrum_tells_is_near_what_a_surface_has(monkeypatch):
     assert told.rms_height == pytest.approx(field.rms_height, rel=0.05)
     assert told.rms_gradient == pytest.approx(field.rms_gradient, rel=0.02)
     assert told.nayak == pytest.approx(field.nayak, rel=0.1)
-    from validation.effects.base import full_contact_energy
-
     # U = (E*/4) sum q |h(q)|^2: half of what the integral of q C over the plane gives, per E*/2.
     assert 0.25 * told.first_moment == pytest.approx(full_contact_energy(field, modulus=1.0), rel=0.05)
 

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fem_contact import FreeHalfSpace, Patch
+from fem_contact import Patch
 from validation.audit import audit
 from validation.comparison.run import run_scene
 from validation.effects.free_boundary import FreeBoundary
@@ -16,17 +16,10 @@ from validation.scenes.problem import realise
 from validation.scenes.scene import Scene, load_scene
 from validation.studies import find_study, studies
 
+_WAVES = {"hurst": 0.8, "lambda_long": "20 um", "lambda_short": "5 um", "rms_height": "1 pm", "seed": 8}
 BALL = {
     "name": "ball",
-    "surface": {
-        "kind": "self-affine",
-        "length": "40 um",
-        "hurst": 0.8,
-        "lambda_long": "20 um",
-        "lambda_short": "5 um",
-        "rms_height": "1 pm",
-        "seed": 8,
-    },
+    "surface": {"kind": "self-affine", "length": "40 um", **_WAVES},
     "solid": {"young": "1 GPa", "poisson": 0.3},
     "load": {"force": "1 mN"},
     "methods": {"bem": {"grids": [64]}},
@@ -66,14 +59,9 @@ def test_a_measured_patch_keeps_its_edges(tmp_path):
     rng = np.random.default_rng(4)
     heights = 1e-8 * rng.random((12, 10)) + 1e-8 * np.arange(12)[:, None]
     np.save(tmp_path / "patch.npy", heights)
-    surface = {
-        "kind": "file",
-        "path": str(tmp_path / "patch.npy"),
-        "length": ["12 um", "10 um"],
-        "unit": "1 m",
-    }
+    map_ = {"kind": "file", "path": str(tmp_path / "patch.npy"), "length": ["12 um", "10 um"], "unit": "1 m"}
     changed = {
-        "surface": surface | {"edges": "free"},
+        "surface": map_ | {"edges": "free"},
         "effects": [{"kind": "free-boundary"}],
         "load": {"pressure": "1 MPa"},
         "methods": {"bem": {"grids": [[12, 10], [24, 20]]}},
@@ -88,6 +76,14 @@ def test_a_measured_patch_keeps_its_edges(tmp_path):
         checked(**changed | {"effects": []})
 
 
+def _with(**effect):
+    return {"effects": [*BALL["effects"], effect]}
+
+
+_TINY = {"kind": "free-boundary", "radius": "1 nm"}
+_OBLONG = BALL["surface"] | {"length": ["40 um", "20 um"]}
+
+
 @pytest.mark.parametrize(
     ("changed", "words"),
     [
@@ -96,29 +92,16 @@ def test_a_measured_patch_keeps_its_edges(tmp_path):
         ({"methods": {"bem": {"grids": [64], "shifts": 2}}}, r"methods.bem.shifts = 2: .*has no period"),
         ({"load": {"offset": "-50 nm"}}, r"load.offset: a patch .* is pressed by a load"),
         ({"load": {"force": "1 N"}}, r"1 radius = 1 mm: the ball would touch over .* \(Hertz\)"),
+        ({"effects": [_TINY]}, r"1 radius = 1 nm: .* touch over .* where no paraboloid is a ball"),
+        # (3 F R/4E*)^(1/3) with F = 1 MPa of 40 um by 20 um.
         (
-            {"effects": [{"kind": "free-boundary", "radius": "1 nm"}], "load": {"force": "1 mN"}},
-            r"1 radius = 1 nm: the ball would touch over .* where no paraboloid is a ball",
-        ),
-        (
-            # (3 F R/4E*)^(1/3) with F = 1 MPa of 40 um by 20 um.
-            {
-                "surface": BALL["surface"] | {"length": ["40 um", "20 um"]},
-                "effects": [{"kind": "free-boundary", "radius": "1 nm"}],
-                "load": {"pressure": "1 MPa"},
-            },
+            {"surface": _OBLONG, "effects": [_TINY], "load": {"pressure": "1 MPa"}},
             "the ball would touch over 81.7 nm",
         ),
         ({"ensemble": {"realisations": 2, "grids": [32, 64]}}, r"ensemble: averages over periods"),
         ({"quantities": {"subsurface": {}}}, r"quantities: are read off a period"),
-        (
-            {"effects": [*BALL["effects"], {"kind": "thickness", "thickness": "1 um"}]},
-            "is not solved together with a layer",
-        ),
-        (
-            {"effects": [*BALL["effects"], {"kind": "adhesion", "work": "1 mJ/m^2", "reach": "1 um"}]},
-            "is not solved together with adhesion",
-        ),
+        (_with(kind="thickness", thickness="1 um"), "is not solved together with a layer"),
+        (_with(kind="adhesion", work="1 mJ/m^2", reach="1 um"), "is not solved together with adhesion"),
     ],
 )
 def test_what_needs_a_period_or_the_theory_refuses_it_by_name(changed, words):
@@ -134,10 +117,3 @@ def test_every_study_of_a_scene_refuses_it_by_name():
                 find_study(name).parse([], scene=load_scene("rough-ball"))
             refused.append(name)
     assert {"pressure", "area", "refinement", "cross", "theory-verdict"} <= set(refused)
-
-
-def test_the_slot_is_that_of_a_half_space_without_images():
-    (solve,) = solves_of(scene())
-    from validation.effects.base import ContactModel
-
-    assert isinstance(ContactModel.filled(solve.problem.elastic, solve.effects).response, FreeHalfSpace)

@@ -4,20 +4,11 @@ import numpy as np
 import pytest
 
 from fem_contact import measured_lay
-from persson import SelfAffine, Stretched
+from persson import SelfAffine
 from validation.errors import SceneError
 from validation.scenes.problem import realise
 from validation.scenes.scene import Scene, load_scene
-from validation.scenes.surfaces import spectrum_of
 from validation.scenes.sweep import load_asked
-
-
-def test_the_spectrum_of_a_ground_surface_has_the_slope_asked_for():
-    found = spectrum_of(load_scene("ground").surface)
-    assert isinstance(found, Stretched)
-    assert found.moments().rms_gradient == pytest.approx(0.1, rel=1e-12)
-    high = load_asked("ground", ["surface.rms_height=1 um", "methods.bem.grids=[64]"])
-    assert spectrum_of(high.surface).moments().rms_height == pytest.approx(1e-6, rel=1e-11)
 
 
 def test_its_surface_has_the_lay_along_x_on_every_grid():

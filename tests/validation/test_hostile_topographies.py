@@ -1,21 +1,16 @@
 """Whatever a file of heights holds, it is read or refused in one sentence, in bounded time and memory."""
 
-import importlib.util
 import os
 import time
 import unicodedata
 from collections import Counter
-from pathlib import Path
 
+import hostile_files as files
 import numpy as np
 import pytest
 
 from validation.errors import UsageError
 from validation.scenes.topography import measured as reading
-
-_SPEC = importlib.util.spec_from_file_location("hostile_files", Path(__file__).with_name("hostile_files.py"))
-files = importlib.util.module_from_spec(_SPEC)
-_SPEC.loader.exec_module(files)
 
 #: Those that are odd, but hold a map.
 READ = {"overflow.csv"}
@@ -43,19 +38,18 @@ def tried(path):
 
 @pytest.mark.nightly
 def test_every_hostile_file_is_refused_in_one_sentence(tmp_path):
-    corpus, slowest, taken = dict(files.all_hostile()), 0.0, set()
+    corpus, seconds, taken = dict(files.all_hostile()), [], set()
     assert len(corpus) > 100
     for name, raw in corpus.items():
         path = tmp_path / name
         path.write_bytes(raw)
         start = time.monotonic()
-        if not tried(path):
-            taken.add(name)
-        slowest = max(slowest, time.monotonic() - start)
+        taken |= set() if tried(path) else {name}
+        seconds.append(time.monotonic() - start)
         path.unlink()
     assert taken == READ
     # Nothing came near the bound that would have ended it: each was refused for what it is.
-    assert slowest < reading._SECONDS
+    assert max(seconds) < reading._SECONDS
 
 
 #: One for each format; the others are nightly.
@@ -115,14 +109,9 @@ def test_what_is_no_file_is_not_waited_for(tmp_path):
     os.mkfifo(tmp_path / "pipe.npy")
     (tmp_path / "folder.npy").mkdir()
     (tmp_path / "loop.npy").symlink_to("loop.npy")
-    for name, words in (
-        ("pipe.npy", "a pipe or a device"),
-        ("folder.npy", "Is a directory"),
-        ("loop.npy", "symbolic links"),
-        ("missing.npy", "No such file"),
-        ("a" * 5000 + ".npy", "name too long"),
-        ("zero\0byte.npy", "null byte|null character"),
-    ):
+    said = {"pipe.npy": "a pipe or a device", "folder.npy": "Is a directory", "loop.npy": "symbolic links"}
+    said |= {"missing.npy": "No such file", "a" * 5000 + ".npy": "name too long", "zero\0byte.npy": "null "}
+    for name, words in said.items():
         with pytest.raises(UsageError, match=words):
             reading.file_says(tmp_path / name)
     with pytest.raises(UsageError, match="a pipe or a device"):
