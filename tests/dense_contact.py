@@ -38,9 +38,7 @@ def pressed(matrix, heights, *, load, bound=None, start=None):
     from nearby.
     """
     h = heights.ravel()
-    top = (
-        np.full(h.size, np.inf) if bound is None else np.array(np.broadcast_to(bound, heights.shape)).ravel()
-    )
+    top = np.broadcast_to(np.inf if bound is None else bound, heights.shape).flatten()
     if bound is not None and load >= top.mean() * (1 - 1e-12):
         gap = matrix @ top - h
         return Contact(pressure=top, gap=gap - gap.max(), offset=-float(gap.max()), exact=True)

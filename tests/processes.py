@@ -16,12 +16,6 @@ def environment_of(*paths, **changes):
 
 def run_python(*arguments, shell="", folder=ROOT, paths=(), **changes):
     """Run Python in a folder, after commands of the shell."""
-    return subprocess.run(
-        ["bash", "-c", f'{shell} exec "$0" "$@"', sys.executable, *map(str, arguments)],
-        capture_output=True,
-        text=True,
-        check=False,
-        cwd=folder,
-        timeout=600,
-        env=environment_of(*paths, **changes),
-    )
+    command = ["bash", "-c", f'{shell} exec "$0" "$@"', sys.executable, *map(str, arguments)]
+    how = {"cwd": folder, "timeout": 600, "env": environment_of(*paths, **changes)}
+    return subprocess.run(command, capture_output=True, text=True, check=False, **how)

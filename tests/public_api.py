@@ -65,14 +65,14 @@ def solver_doors():
     law = adhesion.Exponential(work=1e-4, reach=0.02)
     dugdale = adhesion.Dugdale(work=1e-4, reach=0.02, ramp=0.5)
     above = WAVE - WAVE.min()
-    areas = [
-        area.contact_areas(bem.solve(field.resampled((n, n)), half, mean_pressure=0.02), subcell=True)
-        for n in (12, 16, 24, 32)
-    ]
+    pressed = [bem.solve(field.resampled((n, n)), half, mean_pressure=0.02) for n in (12, 16, 24, 32)]
+    areas, ones = [area.contact_areas(one, subcell=True) for one in pressed], np.ones((12, 12))
+    below = {"contact": result, "response": half, "threads": 1, "depths": [0.0, 0.1]}
     prony = {"relaxed": 1.0, "moduli": (2.0,), "times": (1.0,)}
     rubber = viscoelastic.PronySolid(**prony, poisson=0.3)
     table = {"frequencies": [0.5, 5.0], "storage": [1.0, 2.0], "loss": [0.1, 0.2]}
     rough = {"q_short": 20.0, "seed": 5, "lengths": (1.0, 1.0)}
+    exact = {"amplitudes": "exact", "under_resolved": False}
     grid = extrapolation.PlannedGrid(spacing=(0.01, 0.01), cells=10_000)
     common = {
         **{"surface": field, "solid": solid, "response": half, "result": result, "results": path},
@@ -90,14 +90,8 @@ def solver_doors():
         *(field.resampled, (field.shifted, {"fraction": (0.5, 0.5)})),
         (field.spectral_sum, {"weight": lambda q: q}),
         (surface.resolves, {"q_short": 9.0}),
-        (
-            surface.random_surface,
-            rough | {"spectrum": lambda q: q**-3.0, "amplitudes": "exact", "under_resolved": False},
-        ),
-        (
-            surface.random_surface,
-            rough | {"spectrum": lambda qx, qy: np.hypot(2 * qx, qy) ** -3.0, "isotropic": False},
-        ),
+        (surface.random_surface, rough | exact | {"spectrum": lambda q: q**-3.0}),
+        (surface.random_surface, rough | {"spectrum": lambda x, y: np.exp(-x * x), "isotropic": False}),
         *(surface.measured_lay, surface.radial_spectrum),
         (surface.window_weights, {"window": "tukey", "margin": 0.2}),
         (surface.estimate_spectrum, {"window": "hann"}),
@@ -108,11 +102,7 @@ def solver_doors():
         (graded.LayeredSolid, {"layers": [solid], "thicknesses": [0.1], "base": solid}),
         (graded.ExponentialSolid, {"surface": solid, "bulk_young": 2.0, "depth": 0.1, "sublayers": 8}),
         (exponential.young, {"depth": q}),
-        (
-            bem.solve,
-            {"mean_pressure": 0.02, "pressure_bound": 0.06, "start": np.ones((12, 12))}
-            | {"method": "preconditioned"},
-        ),
+        (bem.solve, {"mean_pressure": 0.02, "pressure_bound": 0.06, "method": "double", "start": ones}),
         (bem.solve, {"response": layer, "mean_pressure": 0.02}),
         (bem.solve, {"response": response.FreeHalfSpace(solid=solid), "mean_pressure": 0.02}),
         (bem.solve_displacement, {"mean_gap": 0.01, "pressure_bound": 0.2}),
@@ -123,11 +113,8 @@ def solver_doors():
         (hardness.yielded, {"contact": yielding}),
         (adhesion.Exponential, {"work": 1.0, "reach": 1.0}),
         (adhesion.Dugdale, {"work": 1.0, "reach": 1.0, "ramp": 0.5}),
-        *(
-            getattr(one, name)
-            for one in (law, dugdale)
-            for name in ("energy", "traction", "slope", "on_grid")
-        ),
+        *(getattr(law, name) for name in ("energy", "traction", "slope", "on_grid")),
+        *(getattr(dugdale, name) for name in ("energy", "traction", "slope", "on_grid")),
         adhesion.cells_in_process_zone,
         (adhesion.solve, {"mean_pressure": 0.01, "hardness": 0.5, "start": above}),
         (adhesion.solve, {"offset": 0.03}),
@@ -137,7 +124,7 @@ def solver_doors():
         (
             contact.measure_residuals,
             {"pressure": result.pressure, "gap": result.gap, "lengths": (1.0, 1.0), "rms_gradient": 0.3}
-            | {"target_pressure": 0.02, "at_bound": result.at_bound, "weights": np.ones((12, 12))},
+            | {"target_pressure": 0.02, "at_bound": result.at_bound, "weights": ones},
         ),
         (area.contact_areas, {"edge_constant": 0.1, "subcell": True, "edge_map": area.EDGE_MAPS["bem"]}),
         (area.subgrid_shifts, {"per_axis": 2}),
@@ -155,10 +142,7 @@ def solver_doors():
         *(stress.elastic_energy, stress.loading_work, stress.contact_stiffness),
         (stress.von_mises, {"tensor": np.ones((4, 6))}),
         *(subsurface.fields_below, subsurface.planes_below, subsurface.strongest_point),
-        (
-            lambda **told: list(subsurface.planes_below(**told)),
-            {"contact": result, "response": half, "threads": 1, "depths": [0.0, 0.1]},
-        ),
+        (lambda **told: list(subsurface.planes_below(**told)), below),
         (subsurface.default_depths, {"response": layer}),
         conductance.frozen_contact,
         (conductance.contact_conductance, {"stiffness": 2.0, "resistivities": (1.0, 0.0)}),
@@ -169,10 +153,7 @@ def solver_doors():
         *(rubber.modulus, (rubber.creep_compliance, {"time": 1.0})),
         (viscoelastic.TabulatedSolid, table),
         viscoelastic.TabulatedSolid(**table, poisson=0.3).modulus,
-        (
-            sliding.slide,
-            {"solid": rubber, "velocity": 0.1, "mean_pressure": 0.02, "start": np.ones((12, 12))},
-        ),
+        (sliding.slide, {"solid": rubber, "velocity": 0.1, "mean_pressure": 0.02, "start": ones}),
         (creeping.creep, {"solid": rubber, "times": (0.0, 1.0), "mean_pressure": 0.02}),
     )
 

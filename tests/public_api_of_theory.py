@@ -37,18 +37,18 @@ RUBBER = {"relaxed": 1e6, "unrelaxed": 1e9, "time": 1e-3}
 SPHERE = {"force": 1e-4, "radius": 1e-3, "contact_modulus": 1e10}
 LAYERS = {"bulk": 1e9, "excess": [1e9], "depths": [1e-6], "poisson": 0.3}
 DEEP = {"young": lambda z: 1e9 * np.exp(0 * z), "poisson": 0.3, "breaks": (1e-6,)}
-WAVES = {
-    **{"temperature": 370.0, "surface_tension": 0.04, "q_bend": 1.7e9, "q_min": 6.28e4},
-    **{"q_short": 7e9, "q_gravity": 0.0, "multiple": 1.0},
-}
+WAVES = {"temperature": 370.0, "surface_tension": 0.04, "q_bend": 1.7e9, "q_min": 6.28e4}
+WAVES |= {"q_short": 7e9, "q_gravity": 0.0, "multiple": 1.0}
+
+
+FIBRES = {"young": 1e9, "radius": 1e-6, "length": 1e-4, "density": 1e10, "angle": 0.7}
 
 
 def theory_doors():
     """The public functions of `persson`."""
     rough = spectrum.SelfAffine.from_rms_gradient(0.1, hurst=0.8, q_long=1e5, q_short=1e6)
-    bent = spectrum.SelfAffine.from_rms_gradient(
-        0.1, hurst=0.8, q_long=1e5, q_short=1e7, rolloff="smooth", q_min=1e4
-    )
+    bend = {"q_short": 1e7, "rolloff": "smooth", "q_min": 1e4}
+    bent = spectrum.SelfAffine.from_rms_gradient(0.1, hurst=0.8, q_long=1e5, **bend)
     smooth = rough.scaled(1e-4)
     table = tabulated.Tabulated(wavevectors=[1e5, 2e5, 1e6], power=[3e-28, 2e-28, 1e-29])
     kinds = (bent, capillary.CapillaryWaves(**WAVES), table)
@@ -70,6 +70,10 @@ def theory_doors():
         **{"work_of_adhesion": 0.05, "dissipation": 1.0, "force": 1.0, "radius": 1e-2, "separation": 1e-7},
         **{"frequency": 10.0, "factor": 2.0},
     }
+    sized = {"wavevectors": [2e5, 1e6], "tolerance": 1e-4}
+    spread = {"variance": [1.0, 4.0], "pressure": 1.0, "modes": None, "step": None}
+    walls = {"tensile_limit": 0.5, "yield_stress": 9.0}
+    sines = {"variance": 1.0, "pressure": 1.0, "tensile_limit": 0.5, "yield_stress": 4.0, "modes": 20}
     return doors_with(
         common,
         *kinds,
@@ -116,10 +120,7 @@ def theory_doors():
             | {"tip_radius": 1e-9, "contact_size": 1e-5},
         ),
         (soft_structures.foam_modulus, {"young": 1e9, "wall": 1e-7, "cell": 1e-6}),
-        (
-            soft_structures.fibre_modulus,
-            {"young": 1e9, "radius": 1e-6, "length": 1e-4, "density": 1e10, "angle": 0.7},
-        ),
+        (soft_structures.fibre_modulus, FIBRES),
         (sliding.nominal_shear_stress, {"local_shear_stress": 1e7}),
         (sliding.local_shear_stress, {"nominal": 1e6, "pressure": 1e7, "hardness": 1e8}),
         (sliding.rubber_friction, slides | {"spectrum": smooth}),
@@ -137,37 +138,13 @@ def theory_doors():
         (variants.corrected_contact_area, {"variant": "wang_mueser"}),
         (variants.corrected_contact_area, {"variant": "xu"}),
         (hardness.constant_hardness, {"yield_stress": 5e6}),
-        (
-            hardness.size_dependent_hardness,
-            {"yield_stress": lambda q: 1e9 + 0 * q, "wavevectors": [2e5, 1e6], "tolerance": 1e-4},
-        ),
-        (
-            diffusion.solve_diffusion,
-            {"variance": [1.0, 4.0], "pressure": 1.0, "tensile_limit": 0.5, "yield_stress": 9.0}
-            | {"breaks": (2.0,), "tolerance": 1e-4, "modes": None, "step": None},
-        ),
-        (
-            diffusion.solve_diffusion,
-            {"variance": [1.0, 4.0], "pressure": 1.0, "tensile_limit": lambda v: 0.5 + 0 * v}
-            | {"modes": 30, "step": 0.1},
-        ),
+        (hardness.size_dependent_hardness, sized | {"yield_stress": lambda q: 1e9 + 0 * q}),
+        (diffusion.solve_diffusion, spread | walls | {"breaks": (2.0,), "tolerance": 1e-4}),
+        (diffusion.solve_diffusion, spread | {"tensile_limit": lambda v: 0.5, "modes": 30, "step": 0.1}),
         (diffusion.solve_diffusion([1.0, 4.0], pressure=1.0).distribution, {"index": 0, "stress": 1.0}),
-        (
-            sine.sine_expansion,
-            {"variance": 1.0, "pressure": 1.0, "tensile_limit": 0.5, "yield_stress": 4.0}
-            | {"modes": 20, "tolerance": 1e-6},
-        ),
-        (
-            sine.sine_expansion,
-            {"variance": 1.0, "pressure": 1.0, "tensile_limit": lambda v: 0.5}
-            | {"yield_stress": lambda v: 4.0, "modes": 4},
-        ),
-        (
-            sine.sine_expansion(
-                1.0, pressure=1.0, tensile_limit=0.5, yield_stress=4.0, modes=20
-            ).distribution,
-            {"stress": 1.0},
-        ),
+        (sine.sine_expansion, sines | {"tolerance": 1e-6}),
+        (sine.sine_expansion, sines | {"tensile_limit": lambda v: 0.5, "yield_stress": lambda v: 4.0}),
+        (sine.sine_expansion(**sines).distribution, {"stress": 1.0}),
         (adhesion.Interface, {"energy": "old", "area": "star", "alpha": 1.0, "ideal_strength": 1e9}),
         (adhesion.detachment_stress, {"work": 0.05}),
         (adhesion.crossover_length, {"atomic_distance": 7e-10}),

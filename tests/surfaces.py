@@ -14,13 +14,11 @@ LATTICE_CUBE = 9.03362168
 def rough_surface(shape, lengths=(1.0, 1.0), *, seed, waves, longest=0.0, gradient=0.1):
     """Heights of H = 0.8 with waves of 1/`longest` to 1/`waves` of the longer side, and that rms gradient."""
     unit = 2 * np.pi / max(lengths)
-    surface = random_surface(
-        lambda q: np.where(q >= longest * unit * (1 - 1e-9), (q / unit) ** -3.6, 0.0),
-        q_short=waves * unit,
-        lengths=lengths,
-        shape=shape,
-        seed=seed,
-    )
+
+    def power(q):
+        return np.where(q >= longest * unit * (1 - 1e-9), (q / unit) ** -3.6, 0.0)
+
+    surface = random_surface(power, q_short=waves * unit, lengths=lengths, shape=shape, seed=seed)
     return HeightField(heights=surface.heights * (gradient / surface.rms_gradient), lengths=lengths)
 
 

@@ -10,17 +10,13 @@ import pytest
 from validation._renamed import _NEW
 
 ROOT = Path(__file__).parents[1]
+PACKAGES = ("persson", "fem_contact", "validation")
 
 
 def imports():
-    """Each module of the three packages, and those of them that it imports anywhere."""
-    paths = [
-        path for name in ("persson", "fem_contact", "validation") for path in (ROOT / name).rglob("*.py")
-    ]
-    files = {
-        ".".join(path.relative_to(ROOT).with_suffix("").parts).removesuffix(".__init__"): path
-        for path in paths
-    }
+    files = {}
+    for path in (path for name in PACKAGES for path in (ROOT / name).rglob("*.py")):
+        files[".".join(path.relative_to(ROOT).with_suffix("").parts).removesuffix(".__init__")] = path
     found: dict[str, set[str]] = {}
     for module, path in files.items():
         named = set()

@@ -34,7 +34,6 @@ def checked(function):
 
 
 def nodes():
-    """Yield file and node of all that stands in the packages."""
     for package in (fem_contact, persson):
         for path in Path(package.__file__).parent.rglob("*.py"):
             for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
@@ -66,14 +65,10 @@ def test_a_check_takes_the_least_and_the_greatest_that_it_names(check, value):
 
 def test_the_unit_of_a_message_is_that_of_the_documentation():
     entry = re.compile(r"^(\w[\w, ]*) : .*\n((?:    .*\n?)+)", re.MULTILINE)
-    texts = [
-        ast.get_docstring(node) or ""
-        for _, node in nodes()
-        if isinstance(node, ast.FunctionDef | ast.ClassDef)
-    ]
+    documented = [node for _, node in nodes() if isinstance(node, ast.FunctionDef | ast.ClassDef)]
+    texts = [ast.get_docstring(node) or "" for node in documented]
     told = [pair for text in texts for pair in entry.findall(text.partition("Attributes\n")[0])]
-    units = [
-        (name, text) for names, text in told for name in names.split(", ") if name in UNITS and "[" in text
-    ]
+    each = [(name, text) for names, text in told for name in names.split(", ")]
+    units = [(name, text) for name, text in each if name in UNITS and "[" in text]
     assert len(units) > 150
     assert [(name, text) for name, text in units if f"[{UNITS[name]}" not in text] == []

@@ -161,7 +161,6 @@ def test_every_argument_of_every_door_meets_every_hostile_value(name):
 
 
 def refusal_of(door, changes):
-    """Text of the refusal, or nothing."""
     try:
         door[0](**(door[1] | changes))
     except (FemContactError, PerssonError) as error:
@@ -227,14 +226,11 @@ TAKEN = (
 
 @pytest.mark.parametrize(("value", "taken"), TAKEN, ids=[str(value) for value, _ in TAKEN])
 def test_what_is_no_sensible_number_is_refused_but_where_it_means_something(value, taken):
-    found = Counter(
-        argument for door in ALL.values() for argument in door[1] if not refusal_of(door, {argument: value})
-    )
-    assert found == taken
+    arguments = [(argument, door) for door in ALL.values() for argument in door[1]]
+    assert Counter(name for name, door in arguments if not refusal_of(door, {name: value})) == taken
 
 
 def numbers_of(door):
-    """Names of its plain numbers."""
     return [name for name, value in door[1].items() if type(value) in (int, float)]
 
 
@@ -248,13 +244,8 @@ CAPPED = {"amplitude", "growth", "tensile_limit", "yield_stress"}
     [(1e45, CAPPED | {"m2", "stress_variance", "variance", "time"}), (1e75, CAPPED)],
 )
 def test_numbers_beyond_what_can_be_computed_with_are_refused(value, computable):
-    taken = {
-        argument
-        for door in ALL.values()
-        for argument in numbers_of(door)
-        if not refusal_of(door, {argument: value})
-    }
-    assert taken == computable
+    numbers = [(argument, door) for door in ALL.values() for argument in numbers_of(door)]
+    assert {name for name, door in numbers if not refusal_of(door, {name: value})} == computable
 
 
 @pytest.mark.parametrize("package", DOORS)
@@ -277,16 +268,13 @@ def test_all_linear_solvers_are_as_exact_unless_told_otherwise():
         and door[0].__module__.split(".")[1] in {"bem", "block", "creeping", "hardness", "sliding"}
     }
     assert len(defaults) > 5
-    assert {name for name, value in defaults.items() if value != Settings().tolerance} <= {
-        "block.assembled_field"
-    }
+    others = {name for name, value in defaults.items() if value != Settings().tolerance}
+    assert others <= {"block.assembled_field"}
 
 
 def test_a_surface_in_slabs_is_drawn_as_a_whole_one_unless_told_otherwise():
-    slabs, whole = (
-        {name: one.default for name, one in inspect.signature(door).parameters.items()}
-        for door in (bem.SlabSurface.random, random_surface)
-    )
+    both = [inspect.signature(door).parameters for door in (bem.SlabSurface.random, random_surface)]
+    slabs, whole = ({name: one.default for name, one in parameters.items()} for parameters in both)
     shared = slabs.keys() & whole.keys()
     assert {name: slabs[name] for name in shared} == {name: whole[name] for name in shared}
     assert "isotropic" in shared
@@ -305,9 +293,8 @@ WaveError
 def test_every_public_function_is_among_the_doors(package):
     module = importlib.import_module(package)
     called = [getattr(door[0], "__func__", door[0]) for door in ALL.values()]
-    known = {id(function) for function in called} | {
-        id(getattr(door[0], "__self__", None)) for door in THEORY.values()
-    }
+    owners = [getattr(door[0], "__self__", None) for door in THEORY.values()]
+    known = {id(function) for function in (*called, *owners)}
     parts = {"BlockMesh", "Element", "MeshOptions"}  # made by the block's own functions
     drawn = {"render_section", "render_surface", "write_block", "write_subsurface"}  # tests of their own
     for name in module.__all__:

@@ -72,21 +72,15 @@ def test_wavy_surface_snaps_to_full_contact_and_pulls_off_where_johnson_says():
     surface, law, scale = wavy(512, alpha)
     top = minimize_scalar(lambda s: -johnson(s, alpha), bounds=(0.8, 1.5), method="bounded")
     low = minimize_scalar(lambda s: johnson(s, alpha), bounds=(0.01, 0.8), method="bounded")
-    up = adhesion_path.follow(
-        surface, SOFT, law=law, mean_pressures=np.arange(0, 0.5, 0.05) * scale, threads=1
-    )
+    loads = np.arange(0, 0.5, 0.05) * scale
+    up = adhesion_path.follow(surface, SOFT, law=law, mean_pressures=loads, threads=1)
     (snap,) = up.jumps
     assert snap.kind == "snap-in"
     assert snap.before.mean_pressure / scale == pytest.approx(-top.fun, rel=0.02)
     assert snap.after is not None
     assert snap.after.contact == 1.0
-    down = adhesion_path.follow(
-        surface,
-        SOFT,
-        law=law,
-        mean_pressures=np.concatenate([np.arange(0, 0.2, 0.05), np.arange(0.1, -0.2, -0.02)]) * scale,
-        threads=1,
-    )
+    loads = np.concatenate([np.arange(0, 0.2, 0.05), np.arange(0.1, -0.2, -0.02)]) * scale
+    down = adhesion_path.follow(surface, SOFT, law=law, mean_pressures=loads, threads=1)
     assert down.greatest_tension / scale == pytest.approx(-low.fun, rel=0.03)
 
 
@@ -133,9 +127,8 @@ def test_least_curvature_has_the_sign_and_size_of_the_dense_eigenvalue():
     law = law_for(12, work=3e-4)
     land = Landscape(surface.heights, response=SOFT, lengths=(1.0, 1.0), law=law, threads=1)
     point = Point(mean_pressure=0.002)
-    found = descend(
-        land, point, float(surface.heights.max()) - surface.heights, settings=Settings(tolerance=1e-6)
-    )
+    gap = float(surface.heights.max()) - surface.heights
+    found = descend(land, point, gap, settings=Settings(tolerance=1e-6))
     assert found.status is Status.CONVERGED
     gap = found.gap
     free = np.flatnonzero(gap > 0)
@@ -154,9 +147,8 @@ def test_least_curvature_has_the_sign_and_size_of_the_dense_eigenvalue():
 def test_curvature_falls_to_zero_where_the_surfaces_snap():
     surface, law = sticky_tips()
     top = float(surface.heights.max())
-    path = adhesion_path.follow(
-        surface, SOFT, law=law, offsets=np.arange(top + 6 * law.reach, top, -law.reach / 2), threads=1
-    )
+    offsets = np.arange(top + 6 * law.reach, top, -law.reach / 2)
+    path = adhesion_path.follow(surface, SOFT, law=law, offsets=offsets, threads=1)
     snap = path.jumps[0]
     near = adhesion.solve(surface, SOFT, law=law, offset=snap.before.offset, threads=1).checked()
     away = adhesion.solve(surface, SOFT, law=law, offset=snap.before.offset + law.reach, threads=1).checked()
@@ -171,10 +163,8 @@ def test_vanishing_adhesion_recovers_the_elastic_contact():
     elastic = bem.solve(surface, SOFT, mean_pressure=0.01, threads=1).checked()
     differences = []
     for work in (1e-9, 1e-10):
-        law = Exponential(work=work, reach=1e-3)
-        state = adhesion.solve(
-            surface, SOFT, law=law, mean_pressure=0.01, tolerance=1e-4, threads=1
-        ).checked()
+        law, asked = Exponential(work=work, reach=1e-3), {"mean_pressure": 0.01, "tolerance": 1e-4}
+        state = adhesion.solve(surface, SOFT, law=law, **asked, threads=1).checked()
         differences.append(np.linalg.norm(state.contact.pressure - elastic.pressure))
         assert state.contact.offset == pytest.approx(elastic.offset, rel=1e-4)
     assert differences[0] < 1e-3 * np.linalg.norm(elastic.pressure)
@@ -193,9 +183,8 @@ def test_the_offset_of_a_given_pressure_gives_that_pressure_back():
     surface = rough(32, waves=4)
     law = law_for(32, cells=3.0)
     one = adhesion.solve(surface, SOFT, law=law, mean_pressure=0.01, threads=1).checked()
-    two = adhesion.solve(
-        surface, SOFT, law=law, offset=one.contact.offset, start=one.contact.gap, threads=1
-    ).checked()
+    again = {"offset": one.contact.offset, "start": one.contact.gap}
+    two = adhesion.solve(surface, SOFT, law=law, **again, threads=1).checked()
     assert two.contact.mean_pressure == pytest.approx(0.01, rel=1e-5)
     np.testing.assert_allclose(two.contact.gap, one.contact.gap, atol=1e-4 * law.reach)
 

@@ -53,9 +53,8 @@ def test_a_hardness_above_every_pressure_leaves_adhesion_as_it_is():
 
 def test_without_much_adhesion_the_answer_is_that_of_hardness_alone():
     hardness = 0.06
-    alone = press_yielding(
-        rough(), SOFT, hardness=Hardness(pressure=hardness), mean_pressure=LOAD, tolerance=1e-10, threads=1
-    )
+    asked = {"mean_pressure": LOAD, "tolerance": 1e-10, "threads": 1}
+    alone = press_yielding(rough(), SOFT, hardness=Hardness(pressure=hardness), **asked)
     distances = []
     for work in (1e-5, 1e-6, 1e-7):
         contact = sticky(work, hardness).contact

@@ -45,10 +45,8 @@ def maugis_dugdale(radius, maugis):
 
 
 def pull_off(maugis):
-    found = minimize_scalar(
-        lambda a: maugis_dugdale(a, maugis)[0], bounds=(0.01, 2.5), method="bounded", options={"xatol": 1e-9}
-    )
-    return -found.fun
+    told = {"bounds": (0.01, 2.5), "method": "bounded", "options": {"xatol": 1e-9}}
+    return -minimize_scalar(lambda a: maugis_dugdale(a, maugis)[0], **told).fun
 
 
 @dataclass
@@ -78,7 +76,6 @@ WAYS = {
     0.1: np.arange(-0.3, 0.4, 0.02),
     0.5: np.arange(-0.3, 1.3, 0.05),
     1.0: np.concatenate([np.arange(-1.0, 0.75, 0.125), np.arange(0.75, 1.3, 0.1)]),
-    2.0: np.arange(-0.3, 1.3, 0.1),
 }
 
 
@@ -89,9 +86,7 @@ def parted(maugis, points, length):
     return sphere, sphere.follow(offsets=WAYS[maugis] * APPROACH)
 
 
-@pytest.mark.parametrize(
-    ("maugis", "points", "length"), [(0.1, 64, 12.0), (0.5, 64, 10.0), (1.0, 128, 12.0), (2.0, 128, 12.0)]
-)
+@pytest.mark.parametrize(("maugis", "points", "length"), [(0.1, 64, 12.0), (0.5, 64, 10.0), (1.0, 128, 12.0)])
 def test_pull_off_force_is_within_two_percent_of_maugis(maugis, points, length):
     sphere, path = parted(maugis, points, length)
     assert path.greatest_tension / sphere.unit == pytest.approx(pull_off(maugis), rel=0.02)
@@ -119,14 +114,14 @@ def test_force_at_given_approach_follows_maugis_along_the_whole_branch():
 
 
 def test_snap_in_and_pull_off_under_displacement_lie_where_maugis_has_them():
-    sphere = Sphere(2.0, 192, 12.0)
+    sphere = Sphere(2.0, 128, 12.0)
     top = sphere.law.reach * 2.1
-    path = sphere.follow(
-        offsets=np.concatenate([np.arange(top, 0, -top / 8), np.arange(0, 1.25 * APPROACH, 0.2 * APPROACH)])
-    )
+    back = np.arange(0, 1.25 * APPROACH, 0.2 * APPROACH)
+    path = sphere.follow(offsets=np.concatenate([np.arange(top, 0, -top / 8), back]))
     assert [jump.kind for jump in path.jumps] == ["snap-in", "pull-off"]
+    assert path.greatest_tension / sphere.unit == pytest.approx(pull_off(2.0), rel=0.02)
     snap, part = path.jumps
-    ramp = sphere.law.on_grid(spacing=12.0 / 192, contact_modulus=1.0).ramp
+    ramp = sphere.law.on_grid(spacing=12.0 / 128, contact_modulus=1.0).ramp
     # Nothing attracts beyond the end of the ramp; the jump comes as soon as the slope of the ramp acts.
     assert 1 - ramp / 2 < snap.before.offset / sphere.law.reach < 1 + ramp / 2
     radii = np.linspace(0.12, 1.9, 400)
@@ -140,10 +135,9 @@ def test_snap_in_and_pull_off_under_displacement_lie_where_maugis_has_them():
 
 def test_jumps_are_located_to_the_resolution_asked_for():
     sphere = Sphere(2.0, 108, 12.0, Exponential)
-    for resolution in (1e-2, 1e-3):
-        path = sphere.follow(offsets=np.arange(0.0, 1.6, 0.4) * APPROACH, resolution=resolution)
-        (jump,) = path.jumps
-        assert 0 < jump.after.offset - jump.before.offset <= resolution * sphere.law.reach
+    path = sphere.follow(offsets=np.arange(0.0, 1.6, 0.4) * APPROACH, resolution=1e-3)
+    (jump,) = path.jumps
+    assert 0 < jump.after.offset - jump.before.offset <= 1e-3 * sphere.law.reach
 
 
 def test_tension_beyond_pull_off_ends_the_path_and_is_no_result():
@@ -165,8 +159,6 @@ def hertz_gap(r, edge, amplitude):
 
 @dataclass(frozen=True)
 class Tabulated:
-    """A law given by pairs of gap and attraction."""
-
     curve: PchipInterpolator
     strength: float
     work: float

@@ -18,7 +18,6 @@ LIBRARIES = ("numpy", "array_api_strict", "torch")
 
 
 def place(library):
-    """Return an array of a library on the CPU."""
     pytest.importorskip("numpy" if library == "numpy" else "array_api_compat")
     return pytest.importorskip(library).zeros(1)
 
@@ -60,12 +59,9 @@ def test_each_pass_is_the_twin_of_the_compiled_one(shape, bounded, units):
     forces = np.clip(forces, 0, 1.5 if bound is None else bound)
     operator = FourierOperator(HalfSpace(solid=SOLID), shape, (1.0, shape[1] / shape[0]), threads=1)
     caution = 0.1 / operator.stiffness
-    both = (
-        IterationArrays(operator, heights, bound=bound, caution=caution, units=units, threads=2),
-        PlainIterationArrays(operator, heights, bound=bound, caution=caution),
-    )
-    answers = []
-    for arrays in both:
+    asked, answers = {"bound": bound, "caution": caution}, []
+    compiled = IterationArrays(operator, heights, **asked, units=units, threads=2)
+    for arrays in (compiled, PlainIterationArrays(operator, heights, **asked)):
         force, length = arrays.force_unit, arrays.length_unit
         work = force * length
         sums, errors = (force, work), (work, force, length, length, force, force, work)
@@ -97,10 +93,9 @@ def test_each_pass_is_the_twin_of_the_compiled_one(shape, bounded, units):
 
 
 @pytest.mark.parametrize("library", LIBRARIES)
-@pytest.mark.parametrize(
-    ("shape", "coarse"), [((24, 20), (12, 10)), ((45, 61), (23, 31)), ((1, 40), (1, 20))]
-)
-def test_fields_are_carried_between_grids_as_by_numpy(library, shape, coarse):
+@pytest.mark.parametrize("shape", [(24, 20), (45, 61), (1, 40)])
+def test_fields_are_carried_between_grids_as_by_numpy(library, shape):
+    coarse = (-(-shape[0] // 2), -(-shape[1] // 2))
     surface = HeightField(heights=np.random.default_rng(9).standard_normal(shape), lengths=(1.0, 1.7))
     plain, there = Grids(shape, threads=1), ArrayGrids(place(library), shape, threads=1)
     heights = there.put(surface.heights)
@@ -118,13 +113,11 @@ def test_fields_are_carried_between_grids_as_by_numpy(library, shape, coarse):
 @pytest.mark.parametrize("library", LIBRARIES)
 def test_nothing_but_the_answer_is_fetched(library, monkeypatch):
     there, fetched, fetch = place(library), [], ArrayGrids.fetched_field
-    monkeypatch.setattr(
-        ArrayGrids, "fetched_field", lambda self, field: fetched.append(field.shape) or fetch(self, field)
-    )
+    noted = lambda self, field: fetched.append(field.shape) or fetch(self, field)  # noqa: E731
+    monkeypatch.setattr(ArrayGrids, "fetched_field", noted)
     surface = rough_surface((64, 56), (1.0, 56 / 64), seed=7, waves=12, longest=4, gradient=1.0)
     for load, bound in ((0.1, None), (0.3, 0.6), (0.6, 0.6), (40.0, None)):
         fetched.clear()
-        solve(
-            surface, HalfSpace(solid=SOLID), mean_pressure=load, pressure_bound=bound, device=there
-        ).checked()
+        asked = {"mean_pressure": load, "pressure_bound": bound, "device": there}
+        solve(surface, HalfSpace(solid=SOLID), **asked).checked()
         assert fetched == [surface.shape] * 5, "pressure, displacement, gap and two sets, once"

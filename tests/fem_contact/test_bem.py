@@ -16,15 +16,6 @@ def rough(shape=(64, 64), *, seed=7, ratio=8.0):
     return rough_surface(shape, lengths, seed=seed, waves=waves, longest=4 * max(lengths), gradient=1.0)
 
 
-def test_flat_surface_gives_uniform_pressure():
-    for level in (0.0, 3.0, 1e6):
-        flat = HeightField(heights=np.full((9, 6), level), lengths=(2.0, 1.0))
-        result = solve(flat, SOFT, mean_pressure=0.25).checked()
-        np.testing.assert_allclose(result.pressure, 0.25, rtol=1e-9)
-        assert result.in_contact.all()
-        assert result.residuals.worst < 1e-12
-
-
 def test_offset_of_the_heights_only_moves_the_offset():
     surface = rough((48, 48))
     lifted = HeightField(heights=surface.heights + 0.75, lengths=surface.lengths)
@@ -53,21 +44,11 @@ def test_bound_equal_to_the_load_leaves_no_choice_and_below_it_is_refused():
 def test_offset_control_of_a_layer_goes_through_full_contact():
     surface = rough((32, 32))
     layer = BondedLayer(solid=Solid(young=1.0, poisson=0.3), thickness=0.06)
-    loads = [
-        solve_displacement(surface, layer, offset=level * surface.rms_height).checked().mean_pressure
-        for level in (2.0, 0.0, -2.0, -40.0, -80.0)
-    ]
+    offsets = np.array([2.0, 0.0, -2.0, -40.0, -80.0]) * surface.rms_height
+    loads = [solve_displacement(surface, layer, offset=one).checked().mean_pressure for one in offsets]
     assert np.all(np.diff(loads) > 0)
     stiffness = 1 / layer.compliance(np.zeros(1), np.zeros(1))[0]
     assert loads[4] - loads[3] == pytest.approx(40 * surface.rms_height * stiffness, rel=1e-9)
-
-
-def test_surfaces_too_far_apart_do_not_touch():
-    surface = rough((32, 32))
-    result = solve_displacement(surface, SOFT, offset=2 * float(surface.heights.max())).checked()
-    assert not result.in_contact.any()
-    assert result.mean_pressure == 0
-    assert result.gap.min() == pytest.approx(float(surface.heights.max()))
 
 
 def test_zero_mean_gap_is_full_contact_at_the_least_load_and_less_is_refused():
@@ -96,6 +77,7 @@ def test_path_up_and_down_does_not_remember():
 HARD = {
     "one column": lambda: np.cos(np.arange(64) * 0.3)[:, None],
     "one point": lambda: np.ones((1, 1)),
+    "flat": lambda: np.full((9, 6), 1e6),
     "prime": lambda: np.cos(np.add.outer(np.arange(31) ** 1.5, np.arange(37) * 0.9)),
 }
 
@@ -153,14 +135,11 @@ def test_a_load_that_steps_round_away_is_carried_all_the_same(seed, n, reduced):
     assert result.mean_pressure == pytest.approx(reduced * surface.rms_gradient, rel=1e-12)
 
 
-@pytest.mark.parametrize(
-    ("thickness", "load", "pairs"), [(0.03, 0.05, 120), (0.01, 0.05, 140), (0.003, 0.5, 80)]
-)
-def test_a_thin_incompressible_layer_takes_a_hundred_pairs(thickness, load, pairs):
+def test_a_thin_incompressible_layer_takes_a_hundred_pairs():
     """182, 496 and 857 of them before; at .01 and a load of .5 the iteration stagnated."""
-    layer = BondedLayer(solid=Solid(young=1.0, poisson=0.5), thickness=thickness)
-    assert solve(rough(), layer, mean_pressure=load).checked().cost.fft_pairs < pairs
-    solve(rough(), BondedLayer(solid=layer.solid, thickness=0.01), mean_pressure=0.5).checked()
+    for thickness, load, pairs in ((0.03, 0.05, 120), (0.01, 0.05, 140), (0.003, 0.5, 80), (0.01, 0.5, 200)):
+        layer = BondedLayer(solid=Solid(young=1.0, poisson=0.5), thickness=thickness)
+        assert solve(rough(), layer, mean_pressure=load).checked().cost.fft_pairs < pairs
 
 
 @pytest.mark.parametrize(("lengths", "shape"), [((1.0, 0.1), (160, 16)), ((0.1, 1.0), (16, 160))])
@@ -193,12 +172,11 @@ def test_a_residual_that_rests_on_oblong_cells_says_so():
 @pytest.mark.parametrize("sizes", [10.0, 1e9])
 def test_where_all_has_yielded_the_body_sinks_as_far_as_it_is_pushed(sizes):
     surface = rough()
-    result = solve_displacement(
-        surface, SOFT, mean_gap=-sizes * surface.rms_height, pressure_bound=0.5
-    ).checked()
+    gap = -sizes * surface.rms_height
+    result = solve_displacement(surface, SOFT, mean_gap=gap, pressure_bound=0.5).checked()
     assert np.all(result.pressure == 0.5)
     assert result.at_bound.all()
-    assert np.mean(result.gap) == pytest.approx(-sizes * surface.rms_height, rel=1e-12)
+    assert np.mean(result.gap) == pytest.approx(gap, rel=1e-12)
 
 
 def test_points_that_touch_below_the_bound_sink_no_further():
@@ -207,12 +185,8 @@ def test_points_that_touch_below_the_bound_sink_no_further():
     full = solve_displacement(surface, SOFT, mean_gap=0.0).checked()
     bound = 1.5 * float(full.pressure.max())
     target = -0.2 * surface.rms_height
-    for result in (
-        solve_displacement(surface, SOFT, mean_gap=target, pressure_bound=bound).checked(),
-        solve_displacement(
-            surface, SOFT, offset=target + np.mean(surface.heights), pressure_bound=bound
-        ).checked(),
-    ):
+    for asked in ({"mean_gap": target}, {"offset": target + np.mean(surface.heights)}):
+        result = solve_displacement(surface, SOFT, **asked, pressure_bound=bound).checked()
         assert np.mean(result.gap) == pytest.approx(target, abs=1e-6 * surface.rms_height)
         assert result.at_bound.any()
         assert result.mean_pressure > full.mean_pressure

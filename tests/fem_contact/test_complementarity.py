@@ -17,11 +17,8 @@ from fem_contact.settings import Settings
 def test_number_of_threads_changes_no_bit_of_the_passes():
     heights = wavy((1024, 20))
     operator = FourierOperator(SOFT, heights.shape, (1.0, 20 / 1024), threads=1)
-    counts = [
-        len(IterationArrays(operator, heights, bound=None, caution=1.0, threads=k).rows.shares)
-        for k in (1, 2, 3)
-    ]
-    assert counts == [1, 2, 3]
+    for k in (1, 2, 3):
+        assert len(IterationArrays(operator, heights, bound=None, caution=1, threads=k).rows.shares) == k
     answers = [run(heights, load=0.05, threads=threads) for threads in (1, 2, 3)]
     for other in answers[1:]:
         assert np.array_equal(answers[0].force, other.force)
@@ -43,21 +40,14 @@ def wavy(shape, seed=5):
 
 
 def run(heights, *, load, bound=None, threads=1, tolerance=1e-10):
-    operator = FourierOperator(
-        SOFT, heights.shape, (1.0, heights.shape[1] / heights.shape[0]), threads=threads
-    )
-    return solve_bounded(
-        operator,
-        heights,
-        mean_force=load,
-        length_scale=float(heights.std()),
-        settings=Settings(tolerance=tolerance, max_iterations=500, threads=threads),
-        bound=bound,
-    )
+    lengths = (1.0, heights.shape[1] / heights.shape[0])
+    operator = FourierOperator(SOFT, heights.shape, lengths, threads=threads)
+    settings = Settings(tolerance=tolerance, max_iterations=500, threads=threads)
+    asked = {"mean_force": load, "length_scale": float(heights.std()), "bound": bound}
+    return solve_bounded(operator, heights, settings=settings, **asked)
 
 
 def run_nested(heights, *, tolerance=1e-10, **options):
-    """Solve from a coarse start under a load of 0.3."""
     lengths = (1.0, heights.shape[1] / heights.shape[0])
     return solve_nested(
         FourierOperator(SOFT, heights.shape, lengths, threads=1),
@@ -75,13 +65,8 @@ def test_preconditioned_and_plain_solver_agree(load):
     heights = wavy((48, 45))
     fast = run(heights, load=load, tolerance=1e-11)
     operator = FourierOperator(SOFT, heights.shape, (1.0, 45 / 48), threads=1)
-    slow = polonsky_keer(
-        operator,
-        heights,
-        mean_force=load,
-        length_scale=float(heights.std()),
-        settings=Settings(tolerance=1e-11, max_iterations=5000),
-    )
+    asked = {"mean_force": load, "length_scale": float(heights.std())}
+    slow = polonsky_keer(operator, heights, settings=Settings(tolerance=1e-11, max_iterations=5000), **asked)
     assert fast.status is slow.status is Status.CONVERGED
     assert np.linalg.norm(fast.force - slow.force) < 1e-8 * np.linalg.norm(slow.force)
     assert fast.offset == pytest.approx(slow.offset, abs=1e-9)
@@ -188,10 +173,8 @@ def test_the_response_in_single_precision_is_the_double_one_to_its_digits(shape)
     field = np.random.default_rng(37).standard_normal(shape)
     field -= field.mean()
     single = operator.single(0.25)
-    for double_way, single_way, factor in (
-        (operator.apply, single.apply, 0.25),
-        (operator.precondition, single.precondition, 4.0),
-    ):
+    ways = (operator.apply, single.apply, 0.25), (operator.precondition, single.precondition, 4.0)
+    for double_way, single_way, factor in ways:
         expected, found = np.empty(shape), np.empty(shape, dtype=np.float32)
         single_way(field.astype(np.float32), found)
         double_way(field, expected)

@@ -1,5 +1,6 @@
 """A patch with free surroundings: Hertz without images, no matter how large the patch or where the ball."""
 
+import itertools
 import math
 import pickle
 
@@ -9,20 +10,11 @@ from numpy.testing import assert_allclose
 from scipy.integrate import dblquad
 from surfaces import rough_surface
 
-from fem_contact import (
-    FreeHalfSpace,
-    HalfSpace,
-    Hardness,
-    InvalidInput,
-    Solid,
-    UnsupportedEffect,
-    adhesion,
-    bem,
-    contact_areas,
-    find_patches,
-    press_yielding,
-)
+from fem_contact import FreeHalfSpace, HalfSpace, InvalidInput, Solid, UnsupportedEffect, adhesion, bem
+from fem_contact.area import contact_areas
 from fem_contact.complementarity import FreeOperator
+from fem_contact.hardness import Hardness, press_yielding
+from fem_contact.patches import find_patches
 from fem_contact.stress import density_at_zero, elastic_energy, loading_work, window_slope
 from fem_contact.subsurface import fields_below
 from fem_contact.surface import HeightField, Patch
@@ -55,24 +47,17 @@ def test_the_operator_is_the_sum_over_all_cells_of_the_patch():
     def cell(i, j):
         """Displacement i, j cells beside a cell under unit pressure; by quarters at its pole."""
         if i == j == 0:
-            quarter = dblquad(
-                lambda y, x: 1 / math.hypot(x, y), 0, dx / 2, 0, dy / 2, epsabs=1e-9, epsrel=1e-9
-            )[0]
+            sides = (0, dx / 2, 0, dy / 2)
+            quarter = dblquad(lambda y, x: 1 / math.hypot(x, y), *sides, epsabs=1e-9, epsrel=1e-9)[0]
             return 4 * quarter / (math.pi * MODULUS)
         x, y = (np.linspace(-0.5, 0.5, 801)[:-1] + 0.5 / 800 for _ in range(2))
         distance = np.hypot((i - x[:, None]) * dx, (j - y[None, :]) * dy)
         return float(np.mean(1 / distance)) * dx * dy / (math.pi * MODULUS)
 
     table = np.array([[cell(i, j) for j in range(4)] for i in range(5)])
-    at = np.array(
-        [
-            [
-                sum(force[k, m] * table[abs(i - k), abs(j - m)] for k in range(5) for m in range(4))
-                for j in range(4)
-            ]
-            for i in range(5)
-        ]
-    )
+    at = np.zeros(shape)
+    for i, j, k, m in itertools.product(range(5), range(4), range(5), range(4)):
+        at[i, j] += force[k, m] * table[abs(i - k), abs(j - m)]
     assert_allclose(out, at, rtol=3e-6)
 
 
@@ -81,9 +66,8 @@ def test_neither_the_size_of_the_patch_nor_the_place_on_it_matters():
     assert_allclose(larger.pressure[24:72, 24:72], here.pressure, atol=1e-5 * here.pressure.max())
     assert larger.offset == pytest.approx(here.offset, rel=1e-6)
     aside = pressed(96, side=0.48, centre=(0.05, -0.1))
-    assert_allclose(
-        np.roll(aside.pressure, (-10, 20), (0, 1)), larger.pressure, atol=1e-5 * here.pressure.max()
-    )
+    moved = np.roll(aside.pressure, (-10, 20), (0, 1))
+    assert_allclose(moved, larger.pressure, atol=1e-5 * here.pressure.max())
 
 
 def test_images_of_a_period_fade_with_its_size():
@@ -102,10 +86,7 @@ def test_the_load_is_kept_and_its_work_is_stored():
     surface = ball(40, side=0.3)
     loads = list(np.linspace(0.02, 1, 40) ** 1.5 * FORCE / 0.09)
     path = bem.solve_path(surface, FREE, mean_pressures=loads, tolerance=1e-9)
-    assert all(
-        result.mean_pressure == pytest.approx(load, rel=1e-12)
-        for result, load in zip(path, loads, strict=True)
-    )
+    assert [result.mean_pressure for result in path] == pytest.approx(loads, rel=1e-12)
     grown = elastic_energy(path[-1]) - elastic_energy(path[0])
     assert loading_work(path)[-1] == pytest.approx(grown, rel=2e-3)
 
@@ -163,9 +144,8 @@ def test_what_lies_at_opposite_sides_of_a_patch_does_not_touch():
     heights = np.where(abs(x - 0.5) > 0.3, 0.0, -0.2)[:, None] * np.ones(48)
     body = FreeHalfSpace(solid=Solid(young=1.0, poisson=0.0))
     hardness = Hardness(pressure=0.05, length=0.3, exponent=1)
-    found = press_yielding(
-        Patch(heights=heights, lengths=(1.0, 1.0)), body, hardness=hardness, mean_pressure=0.028
-    ).checked()
+    patch = Patch(heights=heights, lengths=(1.0, 1.0))
+    found = press_yielding(patch, body, hardness=hardness, mean_pressure=0.028).checked()
     assert not found.periodic
     assert find_patches(found.in_contact, found.spacing, periodic=False).count == 2
     assert find_patches(found.in_contact, found.spacing).count == 1

@@ -4,11 +4,7 @@ from scipy.integrate import quad
 
 from fem_contact.adhesion.laws import Dugdale, Exponential
 
-LAWS = [
-    Exponential(work=0.3, reach=0.7),
-    Dugdale(work=0.3, reach=0.7, ramp=0.4),
-    Dugdale(work=0.3, reach=0.7, ramp=2.0),
-]
+LAWS = [Exponential(work=0.3, reach=0.7), *(Dugdale(work=0.3, reach=0.7, ramp=ramp) for ramp in (0.4, 2.0))]
 
 
 @pytest.mark.parametrize("law", LAWS)

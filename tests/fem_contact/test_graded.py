@@ -13,9 +13,8 @@ POISSON = [-0.5, 0.0, 0.3, 0.5]
 
 
 def exponential(sublayers=64, ratio=5.0, depth=1.0):
-    return ExponentialSolid(
-        surface=Solid(young=1.0, poisson=0.3), bulk_young=ratio, depth=depth, sublayers=sublayers
-    )
+    surface = Solid(young=1.0, poisson=0.3)
+    return ExponentialSolid(surface=surface, bulk_young=ratio, depth=depth, sublayers=sublayers)
 
 
 @pytest.mark.parametrize("poisson", POISSON)
@@ -64,9 +63,8 @@ def test_finite_elements_find_the_same_two_layer_compliance():
     soft, hard = Solid(young=1.0, poisson=0.3), Solid(young=4.0, poisson=0.3)
     mesh = BlockMesh(cells=(cells, cells), aspect=1.0, layers=np.ones(32), element=ELEMENTS["Hex1"])
     block = BlockResponse(mesh=mesh, solid=soft, width=width, layer_modulus=modulus)
-    layered = LayeredSolid(
-        layers=[hard, soft], thicknesses=[0.125, 0.375], base=Solid(young=1e9, poisson=0.3)
-    )
+    rigid = Solid(young=1e9, poisson=0.3)
+    layered = LayeredSolid(layers=[hard, soft], thicknesses=[0.125, 0.375], base=rigid)
     q = 2 * np.pi * np.array([1.0, 2.0, 4.0])
     # Trilinear elements: about a quarter of a percent at 64 nodes per wave, 1.6 % at 8.
     found = block.compliance(q[:, None], np.zeros((1, 1)))[:, 0]

@@ -17,9 +17,8 @@ def rough(points=64, *, waves=8, gradient=0.1):
 
 
 def pressed(hardness, load=LOAD, **options):
-    return press_yielding(
-        rough(), SOFT, hardness=Hardness(pressure=hardness), mean_pressure=load, threads=1, **options
-    ).checked()
+    hard = {"hardness": Hardness(pressure=hardness), "mean_pressure": load, "threads": 1}
+    return press_yielding(rough(), SOFT, **hard, **options).checked()
 
 
 @pytest.mark.parametrize("hardness", [0.011, 0.03, 0.1, 0.3])
@@ -88,11 +87,9 @@ SIZED = Hardness(pressure=0.045, length=0.02, exponent=0.7)
 
 
 def by_hand(contact, hardness):
-    """What each patch bears, patch by patch."""
     patches = find_patches(contact.in_contact, contact.spacing)
-    bears = [
-        hardness.pressure * (1 + hardness.length / math.sqrt(4 * a / math.pi)) ** 0.7 for a in patches.areas
-    ]
+    sizes = [math.sqrt(4 * area / math.pi) for area in patches.areas]
+    bears = [hardness.pressure * (1 + hardness.length / size) ** 0.7 for size in sizes]
     return np.array([0.0, *bears])[patches.labels]
 
 
@@ -104,12 +101,8 @@ def test_every_patch_bears_what_its_size_allows_and_not_more():
     assert (contact.pressure <= bears * (1 + 1e-9)).all()
     assert np.unique(bears[contact.at_bound]).size == 3
     # Harder than the bulk everywhere, softer than single cells.
-    plain, cells = (
-        yielded(
-            press_yielding(rough(), SOFT, hardness=Hardness(pressure=p), mean_pressure=LOAD / 4)
-        ).plastic_area
-        for p in (SIZED.pressure, SIZED.of_patches(np.zeros(contact.shape, bool), contact.spacing)[0, 0])
-    )
+    single = SIZED.of_patches(np.zeros(contact.shape, bool), contact.spacing)[0, 0]
+    plain, cells = (yielded(pressed(p, load=LOAD / 4)).plastic_area for p in (SIZED.pressure, single))
     assert cells < 0.9 * yielded(contact).plastic_area < yielded(contact).plastic_area < 0.9 * plain
     assert contact.cost.fft_pairs > 20
 
@@ -118,9 +111,8 @@ def test_a_hardness_without_a_size_is_the_plain_one():
     plain = press_yielding(rough(), SOFT, hardness=Hardness(pressure=SIZED.pressure), mean_pressure=LOAD / 4)
     for length, exponent in ((0.0, 0.7), (0.1, 0.0)):
         same = Hardness(pressure=SIZED.pressure, length=length, exponent=exponent)
-        assert np.array_equal(
-            press_yielding(rough(), SOFT, hardness=same, mean_pressure=LOAD / 4).pressure, plain.pressure
-        )
+        found = press_yielding(rough(), SOFT, hardness=same, mean_pressure=LOAD / 4)
+        assert np.array_equal(found.pressure, plain.pressure)
 
 
 def test_patches_that_do_not_settle_and_solves_that_fail_are_said():

@@ -16,11 +16,7 @@ def exact_fields(*, shape=(6, 4), mean=0.25):
     """Heights of rms 0.5, half of them loaded and closed, half open and free: no condition is missed."""
     sign = np.where(np.arange(shape[0]) % 2, -1.0, 1.0)[:, None] * np.ones(shape)
     closed = sign > 0
-    return {
-        "pressure": np.where(closed, 2 * mean, 0.0),
-        "gap": np.where(closed, 0.0, 1.0),
-        "heights": 0.5 * sign,
-    }
+    return {"pressure": 2 * mean * closed, "gap": np.where(closed, 0.0, 1.0), "heights": 0.5 * sign}
 
 
 def residuals(fields, **options):
@@ -33,7 +29,6 @@ def values(result):
 
 
 def by_definition(pressure, gap, heights, *, at_bound, weights, target):
-    """Each residual, point by point."""
     height, total, missed, weight_of_load, deepest, lowest = float(np.std(heights)), 0.0, 0.0, 0.0, 0.0, 0.0
     for p, g, bound, weight in zip(*(a.ravel() for a in (pressure, gap, at_bound, weights)), strict=True):
         open_or_sunk = 0.0 if bound else g
@@ -55,10 +50,6 @@ def test_every_residual_is_its_definition(seed, bounded, weighted, target):
     expected = by_definition(**fields, target=target, **plain | options)
     found = residuals(fields, target_pressure=target, **options)
     np.testing.assert_allclose(values(found), expected, rtol=1e-12)
-
-
-def test_without_a_prescribed_pressure_there_is_no_load_residual():
-    assert residuals(exact_fields(mean=0.7)).load == 0
 
 
 @pytest.mark.parametrize("level", [0.0, 3.7, -1e6])
@@ -111,19 +102,16 @@ def faulty_fields(seed):
     return fields | {"at_bound": rng.random((5, 7)) < 0.2, "weights": rng.uniform(0.5, 1.5, (5, 7))}
 
 
-def in_other_units(fields, *, length, pressure):
+def in_other_units(fields, length, pressure):
     scales = {"pressure": pressure, "gap": length, "heights": length}
     scaled = {name: values * scales.get(name, 1) for name, values in fields.items() if values.dtype != bool}
     return scaled | {"at_bound": fields["at_bound"]}
 
 
 def in_units(fields, *, length, pressure):
-    return residuals(
-        in_other_units(fields, length=length, pressure=pressure),
-        lengths=(LENGTH * length, LENGTH / 2 * length),
-        contact_modulus=MODULUS * pressure,
-        target_pressure=0.3 * pressure,
-    )
+    told = {"contact_modulus": MODULUS * pressure, "target_pressure": 0.3 * pressure}
+    lengths, scaled = (LENGTH * length, LENGTH / 2 * length), in_other_units(fields, length, pressure)
+    return residuals(scaled, lengths=lengths, **told)
 
 
 @given(st.integers(2, 2**32))
@@ -132,10 +120,3 @@ def test_scaling_lengths_and_pressures_by_powers_of_two_changes_no_bit(seed):
     plain = in_units(fields, length=1.0, pressure=1.0)
     assert in_units(fields, length=2.0**20, pressure=2.0**-30) == plain
     assert min(values(plain)) > 0
-
-
-@given(st.integers(2, 2**32))
-def test_heights_and_gap_count_from_any_mean_plane(seed):
-    fields = faulty_fields(seed)
-    raised = fields | {"heights": fields["heights"] + 1024.0}
-    np.testing.assert_allclose(values(residuals(raised)), values(residuals(fields)), rtol=1e-11)

@@ -61,9 +61,8 @@ def surroundings():
 
 def run(count, *arguments):
     command = mpiexec(count, *arguments)
-    return subprocess.run(
-        command, env=surroundings(), capture_output=True, text=True, timeout=300, check=False
-    )
+    told = {"capture_output": True, "text": True, "timeout": 300}
+    return subprocess.run(command, env=surroundings(), check=False, **told)
 
 
 def told(text):
@@ -107,10 +106,8 @@ def test_a_killed_process_ends_the_run_and_what_was_stored_stays(tmp_path):
     while not (stored := list(tmp_path.glob("out/mpi/bem-32x32-*.h5"))):
         assert time.monotonic() - began < 200
         time.sleep(0.2)
-    listed = subprocess.run(
-        ["ps", "-o", "pid=", "--ppid", str(process.pid)], capture_output=True, text=True, check=True
-    )
-    os.kill(int(listed.stdout.split()[-1]), signal.SIGKILL)
+    listed = subprocess.check_output(["ps", "-o", "pid=", "--ppid", str(process.pid)], text=True)
+    os.kill(int(listed.split()[-1]), signal.SIGKILL)
     killed = time.monotonic()
     process.communicate(timeout=60)
     assert time.monotonic() - killed < 60

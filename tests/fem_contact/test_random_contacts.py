@@ -49,10 +49,8 @@ def solid_of(rng, *, modulus, length):
         return FrictionlessLayer(solid=solid, thickness=thickness)
     if kind == 2:
         rise, soft = 10.0 ** rng.uniform(-2, 2), rng.uniform(0, 1)
-        return GivenResponse(
-            contact_modulus=modulus,
-            function=lambda qx, qy: (soft + 1 / (1 + np.hypot(qx, rise * qy) * length)) * (length / modulus),
-        )
+        given = lambda x, y: (soft + 1 / (1 + np.hypot(x, rise * y) * length)) * (length / modulus)  # noqa: E731
+        return GivenResponse(contact_modulus=modulus, function=given)
     return HalfSpace(solid=solid)
 
 
@@ -75,9 +73,8 @@ class Case:
         extreme = rng.random() < 0.3
         length, modulus = 10.0 ** (rng.uniform([-15, -12], [9, 15]) if extreme else rng.uniform(-1, 1, 2))
         lengths = length, length * 10.0 ** (rng.uniform(-2, 2) if rng.random() < 0.2 else 0.0)
-        shaped = heights(rng, shape) * (
-            length * 10.0 ** (rng.uniform(-8, 2) if extreme else rng.uniform(-3, 0))
-        )
+        shaped = heights(rng, shape)
+        shaped = shaped * (length * 10.0 ** (rng.uniform(-8, 2) if extreme else rng.uniform(-3, 0)))
         far = rng.random() < 0.2
         if far:
             shaped = shaped + np.std(shaped) * 10.0 ** rng.uniform(0, 9)
@@ -102,7 +99,6 @@ class Case:
         )
 
     def scales(self, load):
-        """Unit of length and of pressure in which the conditions are judged."""
         surface, modulus = self.surface, self.response.contact_modulus
         rough = surface.rms_height > 8 * np.finfo(float).eps * np.abs(surface.heights).max()
         return (surface.rms_height if rough else load * max(surface.lengths) / modulus), load
@@ -197,8 +193,8 @@ def searched(seeds):
     return Counter(outcome(seed) for seed in seeds)
 
 
-def test_two_hundred_random_contacts_meet_their_conditions():
-    assert searched(range(200))["converged"] > 140
+def test_a_hundred_random_contacts_meet_their_conditions():
+    assert searched(range(100))["converged"] > 70
 
 
 #: Seeds whose search for the load once ended beside it: cut off by a rough solve (246, 2383), creeping along
@@ -211,7 +207,7 @@ def test_contacts_that_were_missed_are_found(seed):
 
 def test_steps_in_single_precision_leave_nothing_behind(monkeypatch):
     monkeypatch.setattr("fem_contact.complementarity.solve._SINGLE", 1)
-    assert searched(range(200, 280))["converged"] > 56
+    assert searched(range(200, 240))["converged"] > 28
 
 
 @pytest.mark.slow

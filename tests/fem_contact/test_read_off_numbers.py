@@ -7,6 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from made_results import made_areas
+from surfaces import SOFT
 
 from fem_contact import HalfSpace, Solid, Status, adhesion, bem, located_limit, pressure_distribution
 from fem_contact.adhesion.descent import Minimum
@@ -22,7 +23,6 @@ def _width(area, fraction):
 
 
 def _off(area, fraction):
-    """What a located area is off by on average."""
     z = _width(area, fraction)
     return fraction * (-0.00359 * z + 0.00919 * z**1.5 - 0.00678 * z**2 + 0.00087 * z**3)
 
@@ -34,10 +34,8 @@ def _law(area, fraction, count, solves, *, alignment=0.0, anisotropy=0.0, unreso
     # A law of 80 patches; 20 cells over edges times relative spacing squared are one.
     patches = fraction[0] * z[0] * count[0] / solves[0] / 20
     # Ever so many share four fifths of what 80 of them are off by.
-    few = (
-        max((80 / patches) ** 0.25, 0.8) * (1 + 6.5 * max(anisotropy - 0.12, 0))
-        + 1.5 * (unresolved / 0.05) ** 0.25
-    )
+    few = max((80 / patches) ** 0.25, 0.8) * (1 + 6.5 * max(anisotropy - 0.12, 0))
+    few += 1.5 * (unresolved / 0.05) ** 0.25
     # Edges are no smoother than the heights.
     z = np.maximum(z, 1.5 * wavenumber * fraction / fraction[0])
     spread = np.diag(fraction * (0.006**2 + (0.026 * z) ** 2) / count + (0.0005 * few * fraction * z**2) ** 2)
@@ -51,14 +49,8 @@ def _law(area, fraction, count, solves, *, alignment=0.0, anisotropy=0.0, unreso
 
 
 #: What contours and heights may be like, beyond isotropic ones that the grid resolves.
-TRAITS = [
-    {},
-    {"anisotropy": 0.1},
-    {"anisotropy": 0.6},
-    {"unresolved": 0.03},
-    {"wavenumber": 0.9},
-    {"alignment": 0.7, "anisotropy": 0.9, "unresolved": 0.01, "wavenumber": 0.5},
-]
+TRAITS = [{}, {"anisotropy": 0.1}, {"anisotropy": 0.6}, {"unresolved": 0.03}, {"wavenumber": 0.9}]
+TRAITS += [{"alignment": 0.7, "anisotropy": 0.9, "unresolved": 0.01, "wavenumber": 0.5}]
 
 
 #: Points, edge fraction and shifts of each grid, the finest first; its area counts.
@@ -73,15 +65,10 @@ def test_the_limit_is_the_best_estimate_under_the_law_of_error_and_its_spread_th
 ):
     points, fraction, shifts = (np.array(column) for column in zip(*ladder, strict=True))
     value = np.full(points.size, 0.2) + apart * (points < points[0])
-    given = [
-        dataclasses.replace(
-            made_areas(value[k], points[k], fraction[k], **(traits if k == 0 else {})),
-            cells=int(points[k]) ** 2 * repeats,
-            spacing=(2.0**20 / points[k],) * 2,
-        )
-        for k in range(points.size)
-        for _ in range(shifts[k])
-    ]
+    given = []
+    for k, n in enumerate(points):
+        told = {"cells": int(n) ** 2 * repeats, "spacing": (2.0**20 / n,) * 2} | (traits if k == 0 else {})
+        given += [made_areas(value[k], n, fraction[k], **told)] * shifts[k]
     weight = _law(0.2, fraction, shifts * points**2 * repeats, shifts, **traits)
     known = value - np.array([_off(*pair) for pair in zip(value, fraction, strict=True)])
     best = float(weight.sum(axis=0) @ known / weight.sum())
@@ -110,20 +97,9 @@ def _packed(*, gap, force):
     x = np.arange(16) / 16
     surface = HeightField(heights=0.01 * np.cos(2 * np.pi * x)[:, None] * np.ones(16), lengths=(1.0, 1.0))
     law = Exponential(work=1e-3, reach=0.03)
-    problem = AdhesionProblem(
-        surface, HalfSpace(solid=Solid(young=1.0, poisson=0.0)), law=law, settings=Settings(tolerance=1e-8)
-    )
-    minimum = Minimum(
-        gap=gap,
-        force=force,
-        mean_pressure=0.01,
-        offset=0.02,
-        energy=0.0,
-        imbalance=0.0,
-        status=Status.CONVERGED,
-        iterations=1,
-        fft_pairs=1.0,
-    )
+    problem = AdhesionProblem(surface, SOFT, law=law, settings=Settings(tolerance=1e-8))
+    made = {"status": Status.CONVERGED, "iterations": 1, "fft_pairs": 1.0, "energy": 0.0, "imbalance": 0.0}
+    minimum = Minimum(gap=gap, force=force, mean_pressure=0.01, offset=0.02, **made)
     return surface, law, problem.packed(minimum).contact
 
 
@@ -161,9 +137,8 @@ def test_the_distribution_of_pressure_counts_each_point_by_its_weight():
     weights = np.tile([1.75, 0.25], (8, 4))
     contact = plain.in_contact.copy()
     contact[:, 1::2] = False
-    found = pressure_distribution(
-        dataclasses.replace(plain, weights=weights, in_contact=contact), [-1.0, 1.0]
-    )
+    weighed = dataclasses.replace(plain, weights=weights, in_contact=contact)
+    found = pressure_distribution(weighed, [-1.0, 1.0])
     exact = 1.75 * np.count_nonzero(contact) / 64
     assert found.area == pytest.approx(exact, rel=1e-12)
     assert found.density[0] * 2 == pytest.approx(exact, rel=1e-12)

@@ -27,18 +27,11 @@ def test_thick_layer_is_a_half_space_but_for_its_mean(layer, poisson):
     assert_allclose(mean, expected, atol=1e-15)
 
 
-def test_thin_bonded_layer_is_a_bed_of_springs():
-    solid = Solid(young=2.0, poisson=0.3)
-    q = np.array([1e-3])
-    bonded = BondedLayer(solid=solid, thickness=1.0).compliance(q, 0 * q)
-    assert_allclose(bonded, 1.3 * 0.4 / (2.0 * 0.7), rtol=1e-5)
-
-
-def test_thin_frictionless_layer_yields_by_its_plane_strain_modulus():
-    solid = Solid(young=2.0, poisson=0.3)
-    q = np.array([1e-3])
-    sliding = FrictionlessLayer(solid=solid, thickness=1.0).compliance(q, 0 * q)
-    assert_allclose(sliding, 1 / solid.contact_modulus, rtol=1e-5)
+def test_thin_layers_are_beds_of_springs_of_their_own_moduli():
+    solid, q = Solid(young=2.0, poisson=0.3), np.array([1e-3])
+    sliding, bonded = (layer(solid=solid, thickness=1.0) for layer in (FrictionlessLayer, BondedLayer))
+    assert_allclose(sliding.compliance(q, 0 * q), 1 / solid.contact_modulus, rtol=1e-5)
+    assert_allclose(bonded.compliance(q, 0 * q), 1.3 * 0.4 / (2.0 * 0.7), rtol=1e-5)
 
 
 def test_thin_incompressible_bonded_layer_yields_with_the_cube_of_its_thickness():

@@ -1,7 +1,6 @@
 """One surface in slabs: the answer of one process, for any number of processes; here they are threads."""
 
 from dataclasses import asdict
-from typing import Any
 
 import h5py
 import numpy as np
@@ -31,10 +30,6 @@ def field(shape):
     return rough_surface(shape, (1.0, shape[1] / shape[0]), seed=7, waves=12, longest=4, gradient=1.0)
 
 
-def hardness_field(shape):
-    return 0.5 + 0.1 * np.random.default_rng(3).random(shape)
-
-
 @pytest.mark.parametrize("count", [2, 3])
 @pytest.mark.parametrize(
     ("shape", "response", "load", "bound"),
@@ -52,11 +47,8 @@ def hardness_field(shape):
 )
 def test_slabs_give_the_answer_of_one_process(count, shape, response, load, bound):
     surface = field(shape)
-    options = {
-        "mean_pressure": load,
-        "pressure_bound": hardness_field(shape) if bound == "field" else bound,
-        "tolerance": 1e-13,
-    }
+    bound = 0.5 + 0.1 * np.random.default_rng(3).random(shape) if bound == "field" else bound
+    options = {"mean_pressure": load, "pressure_bound": bound, "tolerance": 1e-13}
     alone = solve(surface, response, threads=1, **options).checked()
 
     def press(comm):
@@ -106,10 +98,8 @@ def test_each_pass_over_slabs_is_that_over_the_whole(count, shape, bounded):
         slabs = Slabs(comm, shape)
         own = slice(slabs.first, slabs.last)
         there = SlabOperator(JELLY, slabs, (1.0, 1.2), threads=1)
-        part = None if bound is None else bound[own]
-        arrays = SlabIterationArrays(
-            there, heights[own].copy(), bound=part, caution=0.1, units=None, threads=1
-        )
+        asked = {"bound": None if bound is None else bound[own], "caution": 0.1, "units": None}
+        arrays = SlabIterationArrays(there, heights[own].copy(), **asked, threads=1)
         numbers, *found = passed(arrays, own)
         return [numbers, *(slabs.whole(field) for field in found)]
 
@@ -122,10 +112,9 @@ def test_each_pass_over_slabs_is_that_over_the_whole(count, shape, bounded):
 @pytest.mark.parametrize("count", [2, 3])
 def test_single_precision_in_slabs_differs_by_less_than_the_tolerance(count):
     surface = field((300, 270))
-    alone = solve(surface, SOFT, mean_pressure=0.05, tolerance=1e-10, threads=1).checked()
-    results = run_threads(
-        count, lambda comm: solve(surface, SOFT, mean_pressure=0.05, tolerance=1e-10, comm=comm).whole()
-    )
+    asked = {"mean_pressure": 0.05, "tolerance": 1e-10}
+    alone = solve(surface, SOFT, **asked, threads=1).checked()
+    results = run_threads(count, lambda comm: solve(surface, SOFT, **asked, comm=comm).whole())
     assert np.abs(results[0].pressure - alone.pressure).max() < 1e-9 * alone.pressure.max()
     assert np.array_equal(results[0].in_contact, alone.in_contact)
 
@@ -144,13 +133,9 @@ def test_fields_are_carried_between_grids_in_slabs_as_between_whole_ones(count, 
         own = grids.put(values)
         there = grids.coarsened(own, shape, half)
         kind = grids.slabs_of(half)
-        back = slabs.whole(grids.refined(there, half, shape))
-        below = grids.nearest(own, half)
-        return [
-            there if kind is None else kind.whole(there),
-            back,
-            below if kind is None else kind.whole(below),
-        ]
+        back, below = slabs.whole(grids.refined(there, half, shape)), grids.nearest(own, half)
+        there, below = (one if kind is None else kind.whole(one) for one in (there, below))
+        return there, back, below
 
     for there, back, below in run_threads(count, carry):
         assert_allclose(there, coarse, atol=1e-13)
@@ -162,14 +147,8 @@ def test_fields_are_carried_between_grids_in_slabs_as_between_whole_ones(count, 
 @pytest.mark.parametrize("amplitudes", ["exact", "gaussian"])
 @pytest.mark.parametrize("isotropic", [True, False])
 def test_a_random_surface_made_in_slabs_is_that_made_at_once(count, amplitudes, isotropic):
-    options: dict[str, Any] = {
-        "q_short": 2 * np.pi * 11,
-        "lengths": (1.0, 1.5),
-        "shape": (40, 51),
-        "seed": 8,
-        "amplitudes": amplitudes,
-        "isotropic": isotropic,
-    }
+    options = {"q_short": 2 * np.pi * 11, "lengths": (1.0, 1.5), "shape": (40, 51), "seed": 8}
+    options |= {"amplitudes": amplitudes, "isotropic": isotropic}
 
     def power(qx, qy=0.0):
         return (qx**2 + 2 * qy**2 + 1) ** -2.0
@@ -209,9 +188,8 @@ def test_the_file_of_all_processes_is_that_of_one(tmp_path):
 
 def test_what_cannot_be_shared_is_refused_by_all_in_one_line():
     def press(surface, **options):
-        return lambda comm: solve(
-            surface, options.pop("response", SOFT), mean_pressure=0.1, comm=comm, **options
-        )
+        body = options.pop("response", SOFT)
+        return lambda comm: solve(surface, body, mean_pressure=0.1, comm=comm, **options)
 
     with pytest.raises(InvalidInput, match="4 processes: a grid of 7 x 32 points can be shared by 3 at most"):
         run_threads(4, press(field((7, 32))))
@@ -225,7 +203,6 @@ def test_what_cannot_be_shared_is_refused_by_all_in_one_line():
 
 def test_all_processes_stop_at_the_time_limit_of_the_first():
     surface = field((64, 64))
-    results = run_threads(
-        3, lambda comm: solve(surface, SOFT, mean_pressure=0.1, time_limit=1e-6, comm=comm).contact.status
-    )
+    asked = {"mean_pressure": 0.1, "time_limit": 1e-6}
+    results = run_threads(3, lambda comm: solve(surface, SOFT, **asked, comm=comm).contact.status)
     assert results == [Status.TIME_LIMIT] * 3

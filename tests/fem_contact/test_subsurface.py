@@ -61,14 +61,9 @@ def test_stress_is_hookes_of_the_displacement(body):
     response, contact = body
     depth, step = 0.11, 1e-4
     fields = fields_below(contact, response, depths=depth + step * np.array([-1, 0, 1]))
-    gradient = np.stack(
-        [
-            along(fields.displacement[:, :, 1], axis=0, length=1.0),
-            along(fields.displacement[:, :, 1], axis=1, length=1.5),
-            (fields.displacement[:, :, 0] - fields.displacement[:, :, 2]) / (2 * step),
-        ],
-        axis=-1,
-    )
+    above, here, below = np.moveaxis(fields.displacement, 2, 0)
+    sideways = [along(here, axis=axis, length=length) for axis, length in enumerate((1.0, 1.5))]
+    gradient = np.stack([*sideways, (above - below) / (2 * step)], axis=-1)
     strain = (gradient + np.swapaxes(gradient, -1, -2)) / 2
     stress = fields.stress[:, :, 1]
     solid = solid_at(response, depth)
@@ -100,10 +95,8 @@ def solid_at(response, depth):
 
 
 def test_layers_of_one_solid_are_a_half_space():
-    half, layered = (
-        RESPONSES["half-space"],
-        LayeredSolid(layers=[SOFT] * 2, thicknesses=[0.1, 0.07], base=SOFT),
-    )
+    half = RESPONSES["half-space"]
+    layered = LayeredSolid(layers=[SOFT] * 2, thicknesses=[0.1, 0.07], base=SOFT)
     contact, depths = pressed(half), [0.0, 0.05, 0.1, 0.15, 0.4]
     one, other = (fields_below(contact, response, depths=depths) for response in (half, layered))
     assert_allclose(other.stress, one.stress, atol=1e-12)
@@ -122,20 +115,17 @@ def test_a_modulus_that_varies_continuously_is_the_limit_of_layers():
     assert errors[2] < 1e-6
     edges = np.linspace(0, 0.8, 161)
     middles = (edges[1:] + edges[:-1]) / 2
-    layered = LayeredSolid(
-        layers=[Solid(young=float(young), poisson=0.3) for young in varying.young(middles)],
-        thicknesses=list(np.diff(edges)),
-        base=Solid(young=5.0, poisson=0.3),
-    )
+    layers = [Solid(young=float(young), poisson=0.3) for young in varying.young(middles)]
+    base, thicknesses = Solid(young=5.0, poisson=0.3), list(np.diff(edges))
+    layered = LayeredSolid(layers=layers, thicknesses=thicknesses, base=base)
     # Sideways stress jumps from layer to layer; what acts on a plane does not.
     by_layers = fields_below(contact, layered, depths=[0.03, 0.2]).stress
     assert_allclose(by_layers[..., 2:5], exact[..., 2:5], atol=3e-4)
 
 
 def test_many_waves_of_a_graded_solid_go_through_a_spline():
-    graded, half = (
-        ExponentialSolid(surface=SOFT, bulk_young=bulk, depth=0.05) for bulk in (3.0, 1.0 + 1e-12)
-    )
+    bulks = 3.0, 1.0 + 1e-12
+    graded, half = (ExponentialSolid(surface=SOFT, bulk_young=bulk, depth=0.05) for bulk in bulks)
     rng = np.random.default_rng(7)
     contact = replace(pressed(HalfSpace(solid=SOFT)), pressure=rng.random((48, 40)))
     plain = fields_below(contact, HalfSpace(solid=SOFT), depths=[0.02, 0.1]).stress
@@ -157,9 +147,8 @@ def test_the_strongest_point_is_found_between_the_depths_given():
     contact = pressed(response)
     rough = strongest_point(contact, response, depths=[0.01, 0.1, 1.0])
     fine = strongest_point(contact, response)
-    scan = max(
-        plane.von_mises.max() for plane in planes_below(contact, response, depths=np.linspace(0.01, 1, 300))
-    )
+    planes = planes_below(contact, response, depths=np.linspace(0.01, 1, 300))
+    scan = max(plane.von_mises.max() for plane in planes)
     assert rough.depth == pytest.approx(fine.depth, rel=0.05)
     assert scan * (1 - 1e-9) <= fine.von_mises < scan * (1 + 1e-3)
     i, j = np.rint(np.array(fine.place) / contact.spacing).astype(int)

@@ -7,15 +7,8 @@ from hypothesis import strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
 from refusing import refused
 
-from fem_contact import (
-    HeightField,
-    InvalidInput,
-    estimate_spectrum,
-    radial_spectrum,
-    random_surface,
-    resolves,
-)
-from fem_contact.surface import Patch, random_waves
+from fem_contact import HeightField, InvalidInput, radial_spectrum, random_surface, resolves
+from fem_contact.surface import Patch, estimate_spectrum, random_waves
 
 EPS = np.finfo(float).eps
 LENGTHS = (1.0, 1.0)
@@ -76,14 +69,8 @@ def test_exact_amplitudes_carry_the_spectrum_in_every_wave(shape, lengths):
 
 
 def test_measured_radial_spectrum_is_that_of_the_surface():
-    flat_spectrum = 3e-7
-    surface = random_surface(
-        lambda q: np.full_like(q, flat_spectrum),
-        q_short=2 * np.pi * 12,
-        lengths=(1.0, 1.0),
-        shape=(31, 32),
-        seed=11,
-    )
+    flat_spectrum, waves = 3e-7, {"q_short": 2 * np.pi * 12, "lengths": (1.0, 1.0), "seed": 11}
+    surface = random_surface(lambda q: np.full_like(q, flat_spectrum), shape=(31, 32), **waves)
     measured = radial_spectrum(surface)
     inside = measured.q < 2 * np.pi * 11.4
     assert_allclose(measured.power[inside], flat_spectrum, rtol=1e-10)
@@ -119,9 +106,8 @@ def test_gaussian_amplitudes_are_exponential_in_power_and_uniform_in_phase():
 
 def test_every_wave_has_a_phase_of_its_own():
     m, n, coefficients = fourier(surface_on((33, 33), q_short=2 * np.pi * 15))
-    half = (np.abs(coefficients) > 1e-9 * np.abs(coefficients).max()) & (
-        (n > 0) | ((n == 0) & (m[:, None] > 0))
-    )
+    there = np.abs(coefficients) > 1e-9 * np.abs(coefficients).max()
+    half = there & ((n > 0) | ((n == 0) & (m[:, None] > 0)))
     phases = np.sort(np.angle(coefficients[half]))
     assert phases.size == lattice(LENGTHS, 2 * np.pi * 15).size // 2
     assert np.diff(phases).min() > 1e-9
@@ -202,9 +188,8 @@ def test_shifts_by_fractions_sample_the_sum_of_waves_elsewhere(shape, fraction):
 def test_moments_are_the_mean_squares_of_the_derivatives():
     x, y = np.arange(16)[:, None] / 16 * 2.0, np.arange(15)[None, :] / 15 * 3.0
     k, p = 2 * np.pi * 3 / 2.0, 2 * np.pi * 2 / 3.0
-    surface = HeightField(
-        heights=0.2 * np.cos(k * x + 0.3) * np.sin(p * y) + 0.1 * np.sin(k * x) + 5.0, lengths=(2.0, 3.0)
-    )
+    heights = 0.2 * np.cos(k * x + 0.3) * np.sin(p * y) + 0.1 * np.sin(k * x) + 5.0
+    surface = HeightField(heights=heights, lengths=(2.0, 3.0))
     slope_x = -0.2 * k * np.sin(k * x + 0.3) * np.sin(p * y) + 0.1 * k * np.cos(k * x)
     slope_y = 0.2 * p * np.cos(k * x + 0.3) * np.cos(p * y)
     laplacian = -0.2 * (k**2 + p**2) * np.cos(k * x + 0.3) * np.sin(p * y) - 0.1 * k**2 * np.sin(k * x)
@@ -303,10 +288,8 @@ def test_rings_of_an_oblong_period_hold_all_waves():
 def test_the_rings_of_a_tilted_patch_are_those_under_its_window():
     rough = random_surface(lambda q: q**-3.6, q_short=150.0, lengths=(1.0, 1.0), shape=(64, 64), seed=5)
     tilted = rough.heights + 10 * np.arange(64)[:, None] / 64 * rough.rms_height
-    rings, estimate = (
-        radial_spectrum(Patch(heights=tilted, lengths=(1.0, 1.0))),
-        estimate_spectrum(tilted, (1.0, 1.0)),
-    )
+    rings = radial_spectrum(Patch(heights=tilted, lengths=(1.0, 1.0)))
+    estimate = estimate_spectrum(tilted, (1.0, 1.0))
     same = np.isin(rings.q, estimate.q)
     assert_allclose(rings.power[same], estimate.power, rtol=1e-9)
     assert same.sum() == estimate.q.size

@@ -7,17 +7,8 @@ import pytest
 from numpy.testing import assert_array_equal
 from surfaces import rough_surface
 
-from fem_contact import (
-    BondedLayer,
-    HalfSpace,
-    HeightField,
-    Solid,
-    adhesion,
-    bem,
-    block,
-    creep,
-    random_surface,
-)
+from fem_contact import BondedLayer, HalfSpace, HeightField, Solid, adhesion, bem, block, random_surface
+from fem_contact.creeping import creep
 from fem_contact.graded import ExponentialSolid, LayeredSolid
 from fem_contact.hardness import Hardness, press_yielding
 from fem_contact.sliding import slide
@@ -40,15 +31,9 @@ def contact_fields(contact, length, stress):
 
 
 def drawn(length, _, *, amplitudes):
-    """Heights, also between the points, and their statistics."""
-    made = random_surface(
-        lambda q: 1e-6 * np.maximum(q * length, 9.0) ** -3.6 * length**4,
-        q_short=15 * np.pi / length,
-        lengths=(length, 1.1 * length),
-        shape=(20, 27),
-        seed=7,
-        amplitudes=amplitudes,
-    )
+    told = {"q_short": 15 * np.pi / length, "lengths": (length, 1.1 * length), "amplitudes": amplitudes}
+    power = lambda q: 1e-6 * np.maximum(q * length, 9.0) ** -3.6 * length**4  # noqa: E731
+    made = random_surface(power, **told, shape=(20, 27), seed=7)
     moved = (made, made.resampled((33, 16)), made.shifted((0.3, -0.6)))
     heights = [one.heights / length for one in moved]
     return *heights, made.rms_gradient, made.nayak, made.rms_height / length
@@ -101,7 +86,6 @@ def sliding(length, stress):
 
 
 def creeping(length, stress):
-    """In another unit of time, too."""
     rubber = PronySolid(relaxed=stress, moduli=(2 * stress,), times=(length,), poisson=0.3)
     loads = np.array([1e-3, 2e-3, 1e-3, 1e-3]) * stress
     path = creep(rough(length), rubber, times=np.array([0, 0.5, 0.5, 1]) * length, mean_pressure=loads)

@@ -4,17 +4,15 @@ import numpy as np
 import pytest
 from scipy.linalg import solve_banded
 
-from persson import (
-    Interface,
-    InvalidInput,
-    Scale,
-    SelfAffine,
-    adhesion,
-    critical_roughness,
-    pull_off_stress,
+from persson import Interface, InvalidInput, Scale, SelfAffine, adhesion, critical_roughness, pull_off_stress
+from persson.adhesion import (
+    AdhesionStatus,
+    closing_work,
+    crossover_length,
+    detachment_stress,
+    opening_work,
     solve_adhesion,
 )
-from persson.adhesion import AdhesionStatus, closing_work, crossover_length, detachment_stress, opening_work
 
 RIM = SelfAffine.from_rms_height(0.5e-6, hurst=0.8, q_long=1e5, q_short=1e10)
 MODULUS = 10e6 / (1 - 0.5**2)
@@ -36,12 +34,8 @@ def test_rim_with_adhesion_gives_the_area_of_the_paper():
 
 def test_without_load_the_printed_and_the_derived_energy_agree():
     soft = Scale(RIM.scaled(0.09), contact_modulus=MODULUS)
-    areas = [
-        solve_adhesion(
-            soft, pressure=0.0, interface=Interface(work_of_adhesion=WORK, energy=energy)
-        ).real_area
-        for energy in ("improved", "as_printed")
-    ]
+    both = [Interface(work_of_adhesion=WORK, energy=energy) for energy in ("improved", "as_printed")]
+    areas = [solve_adhesion(soft, pressure=0.0, interface=one).real_area for one in both]
     assert areas[0] == pytest.approx(areas[1], rel=1e-9)
     assert areas[0] > 0.9
 
@@ -102,11 +96,8 @@ def test_without_load_the_rim_does_not_stick_but_a_smoother_one_does():
     rough = rim(pressure=0.0)
     assert rough.status is AdhesionStatus.NO_CONTACT
     assert (rough.real_area, rough.macroscopic_work) == (0.0, 0.0)
-    smooth = solve_adhesion(
-        Scale(RIM.scaled(0.09), contact_modulus=MODULUS),
-        pressure=0.0,
-        interface=Interface(work_of_adhesion=WORK),
-    )
+    scale = Scale(RIM.scaled(0.09), contact_modulus=MODULUS)
+    smooth = solve_adhesion(scale, pressure=0.0, interface=Interface(work_of_adhesion=WORK))
     assert smooth.status is AdhesionStatus.CONVERGED
     assert 0 < smooth.macroscopic_work < WORK
 
@@ -115,11 +106,8 @@ def test_without_load_the_rim_does_not_stick_but_a_smoother_one_does():
 def test_critical_roughness_keeps_its_tolerance_where_two_branches_meet():
     """150 rounds did not tell them apart below 1e-4."""
     rough = SelfAffine.from_rms_height(1e-6, hurst=0.8, q_long=1e5, q_short=1e8)
-    interface = Interface(work_of_adhesion=0.05)
-    coarse, fine = (
-        critical_roughness(rough, contact_modulus=1e7, interface=interface, tolerance=tolerance)
-        for tolerance in (1e-4, 1e-5)
-    )
+    asked = {"contact_modulus": 1e7, "interface": Interface(work_of_adhesion=0.05)}
+    coarse, fine = (critical_roughness(rough, tolerance=tolerance, **asked) for tolerance in (1e-4, 1e-5))
     assert fine == pytest.approx(coarse, rel=1e-4)
     assert fine == pytest.approx(0.2732158, rel=1e-5)
 
@@ -134,9 +122,8 @@ def test_a_roll_off_may_reach_zero_unless_there_is_tension(rolloff):
     one, two = (solve_adhesion(scale, pressure=1e4, interface=interface).checked() for scale in scales)
     assert abs(one.real_area - two.real_area) < one.error_estimate + two.error_estimate
     assert one.error_estimate < 1e-3
-    assert scales[1].wavevector(scales[1].variance(np.array([3e4, 1e7]))) == pytest.approx(
-        [3e4, 1e7], rel=1e-9
-    )
+    q = np.array([3e4, 1e7])
+    assert scales[1].wavevector(scales[1].variance(q)) == pytest.approx(q, rel=1e-9)
     with pytest.raises(InvalidInput, match="q_min"):
         solve_adhesion(scales[1], pressure=-1.0, interface=interface)
     with pytest.raises(InvalidInput, match="q_min"):
@@ -162,9 +149,8 @@ def test_ideal_strength_bounds_the_detachment_stress():
     assert limited == pytest.approx(free * 1e7 / (free + 1e7), rel=1e-14)
     assert detachment_stress(-1.0, contact_modulus=MODULUS, wavevector=1e6, interface=bare) == 0
     assert rim(interface=weak).real_area < rim().real_area
-    assert rim(interface=Interface(work_of_adhesion=WORK, ideal_strength=1e20)).real_area == pytest.approx(
-        rim().real_area, rel=1e-6
-    )
+    strong = rim(interface=Interface(work_of_adhesion=WORK, ideal_strength=1e20))
+    assert strong.real_area == pytest.approx(rim().real_area, rel=1e-6)
 
 
 def test_cracks_that_open_take_more_than_cracks_that_close_gain():
@@ -175,7 +161,6 @@ def test_cracks_that_open_take_more_than_cracks_that_close_gain():
 
 
 def test_crossover_length_of_passivated_silicon_is_of_the_order_of_a_micrometre():
-    """Persson 2006, Sec. 8.4."""
     assert 0.3e-6 < crossover_length(0.03, contact_modulus=1.1e11, atomic_distance=5e-10) < 3e-6
 
 

@@ -98,21 +98,11 @@ def test_pull_off_of_yielded_spheres_is_the_line_of_the_pyrex_figure():
 
 def test_squeezing_lifts_the_roughness_barrier_of_pyrex():
     """Sec. 10.2, two surfaces added coherently: none before, about half of Delta gamma after."""
-    waves = CapillaryWaves(
-        temperature=1100.0,
-        surface_tension=1.0,
-        q_bend=0.5e10,
-        q_min=2e6 * math.pi,
-        q_short=1e10,
-        multiple=4.0,
-    )
-    squeezed = roughness_barrier(
-        waves,
-        contact_modulus=32e9 / 0.96,
-        pressure=20e6,
-        yield_stress=6e9,
-        interface=Interface(work_of_adhesion=0.43, energy="old"),
-    )
+    band = {"q_bend": 0.5e10, "q_min": 2e6 * math.pi, "q_short": 1e10}
+    waves = CapillaryWaves(temperature=1100.0, surface_tension=1.0, **band, multiple=4.0)
+    asked = {"contact_modulus": 32e9 / 0.96, "pressure": 20e6, "yield_stress": 6e9}
+    sticky = Interface(work_of_adhesion=0.43, energy="old")
+    squeezed = roughness_barrier(waves, interface=sticky, **asked)
     assert squeezed.holds
     assert squeezed.before.real_area == 0
     assert squeezed.after.macroscopic_work / 0.43 == pytest.approx(0.452, abs=2e-3)
@@ -130,16 +120,13 @@ MODULUS = 10e6 / (1 - 0.5**2)
 
 @pytest.fixture(scope="module")
 def rim():
-    return solve_adhesion(
-        Scale(RIM, contact_modulus=MODULUS), pressure=0.5e6, interface=Interface(work_of_adhesion=0.05)
-    ).checked()
+    scale, interface = Scale(RIM, contact_modulus=MODULUS), Interface(work_of_adhesion=0.05)
+    return solve_adhesion(scale, pressure=0.5e6, interface=interface).checked()
 
 
 def test_force_in_the_contact_grows_by_the_detachment_stress_of_the_area_that_leaves(rim):
     """Eq. 40 integrated, dF = -sigma_a dA, by the trapezoidal rule on the nodes: good to 1e-2."""
-    gained = np.concatenate(
-        [[0.0], np.cumsum(-np.diff(rim.area) * (rim.tensile_limit[1:] + rim.tensile_limit[:-1]) / 2)]
-    )
+    gained = np.cumsum(-np.diff(rim.area) * (rim.tensile_limit[1:] + rim.tensile_limit[:-1]) / 2)
     force = rim.contact_force - 0.5e6
     assert force[0] == pytest.approx(0, abs=1e-6 * 0.5e6)
     assert np.all(np.diff(rim.contact_force) > -1e-6 * rim.contact_force[-1])

@@ -19,16 +19,9 @@ def test_greenwood_williamson_integrals_equal_quadrature(height):
     found = BUMPS.contact(height * 3e-7, contact_modulus=1e9)
 
     def integral(power):
-        low = max(height, -12.0)
-        return quad(
-            lambda x: (x - height) ** power * math.exp(-x * x / 2) / math.sqrt(2 * math.pi),
-            low,
-            low + 24,
-            points=[low + 0.5, low + 2],
-            epsabs=0,
-            epsrel=1e-11,
-            limit=200,
-        )[0]
+        low, how = max(height, -12.0), {"epsabs": 0, "epsrel": 1e-11, "limit": 200}
+        density = lambda x: (x - height) ** power * math.exp(-x * x / 2) / math.sqrt(2 * math.pi)  # noqa: E731
+        return quad(density, low, low + 24, points=[low + 0.5, low + 2], **how)[0]
 
     assert found.density == pytest.approx(1e9 * integral(0), rel=1e-9)
     assert found.area == pytest.approx(math.pi * 1e9 * 2e-5 * 3e-7 * integral(1), rel=1e-9)
@@ -55,9 +48,8 @@ def test_bush_gibson_thomas_tends_to_its_asymptote():
     distance = []
     for ratio in (10.0, 1000.0):
         moments = SelfAffine.from_rms_gradient(0.1, hurst=0.8, q_long=1e4, q_short=1e4 * ratio).moments()
-        found = bush_gibson_thomas(
-            math.sqrt(moments.m0) * np.array([2.0, 6.0, 12.0]), moments=moments, contact_modulus=1e9
-        )
+        separation = math.sqrt(moments.m0) * np.array([2.0, 6.0, 12.0])
+        found = bush_gibson_thomas(separation, moments=moments, contact_modulus=1e9)
         kappa = found.area / (found.pressure / (1e9 * 0.1))
         assert np.all(np.diff(kappa) > 0)
         assert np.all(kappa < KAPPA_BGT)
@@ -70,9 +62,8 @@ def test_bush_gibson_thomas_at_finite_load_has_left_the_asymptote():
     """Carbone and Bottiglione (2008) find linearity for vanishing areas only; here at 3 % and alpha > 10."""
     moments = SelfAffine.from_rms_gradient(0.1, hurst=0.8, q_long=1e4, q_short=1e6).moments()
     assert moments.nayak > 10
-    found = bush_gibson_thomas(
-        np.linspace(0, 3, 40) * math.sqrt(moments.m0), moments=moments, contact_modulus=1e9
-    )
+    separation = np.linspace(0, 3, 40) * math.sqrt(moments.m0)
+    found = bush_gibson_thomas(separation, moments=moments, contact_modulus=1e9)
     kappa = float(np.interp(-0.03, -found.area, found.area / (found.pressure / 1e8)))
     assert 1.0 < kappa < 0.85 * KAPPA_BGT
 

@@ -1,6 +1,7 @@
 """The diffusion solver against closed forms, a second method, its ledger, and its hard cases."""
 
 import math
+from functools import partial
 
 import numpy as np
 import pytest
@@ -45,9 +46,8 @@ def test_before_a_wall_is_felt_the_distribution_is_the_free_gaussian():
 
 def test_moving_tensile_wall_gives_the_reference_areas():
     """V = zeta^2 - 1, sigma_0 = 1, sigma_a = sqrt(zeta)/2, sigma_Y = 20."""
-    result = solve_diffusion(
-        [3.0, 99.0], pressure=1.0, tensile_limit=moving, yield_stress=20.0, tolerance=1e-7
-    ).checked()
+    walls = {"tensile_limit": moving, "yield_stress": 20.0}
+    result = solve_diffusion([3.0, 99.0], pressure=1.0, **walls, tolerance=1e-7).checked()
     assert result.area_elastic == pytest.approx([0.657789, 0.119701], abs=6e-7)
 
 
@@ -56,9 +56,8 @@ def test_hardness_that_rises_gives_the_reference_areas():
     result = solve_diffusion([50.0], pressure=0.02, yield_stress=lambda v: (1 + v / 0.05) ** 0.1).checked()
     assert result.area_plastic[0] == pytest.approx(9.969e-3, abs=6e-7)
     assert result.area_elastic[0] == pytest.approx(8.05e-5, abs=6e-8)
-    assert result.load_elastic[0] + result.area_plastic[0] * result.yield_stress[0] == pytest.approx(
-        0.02, rel=1e-6
-    )
+    carried = result.load_elastic[0] + result.area_plastic[0] * result.yield_stress[0]
+    assert carried == pytest.approx(0.02, rel=1e-6)
 
 
 @pytest.mark.slow
@@ -67,14 +66,11 @@ def test_sine_expansion_and_galerkin_agree_between_moving_walls():
 
     The sine coefficients fall like n^-3 under a moving wall, so the error like n^-2 ... n^-3.
     """
-    reference = solve_diffusion(
-        [3.0], pressure=1.0, tensile_limit=moving, yield_stress=20.0, tolerance=1e-8
-    ).checked()
+    told = {"pressure": 1.0, "yield_stress": 20.0}
+    reference = solve_diffusion([3.0], tensile_limit=moving, **told, tolerance=1e-8).checked()
     errors = []
     for modes in (60, 120):
-        sine = sine_expansion(
-            3.0, pressure=1.0, tensile_limit=lambda v: float(moving(v)), yield_stress=20.0, modes=modes
-        )
+        sine = sine_expansion(3.0, tensile_limit=lambda v: float(moving(v)), **told, modes=modes)
         errors.append(abs(sine.area_elastic - reference.area_elastic[0]))
     assert errors[0] < 1e-3
     assert errors[1] < errors[0] / 2
@@ -91,9 +87,8 @@ def test_sine_expansion_obeys_equation_34_where_the_hardness_rises():
     assert errors[0] / errors[1] == pytest.approx(2.0, abs=0.15)
     assert 2 * areas[1] - areas[0] == pytest.approx(reference, abs=3e-5)
     assert fine.density_at_yield == pytest.approx(2 * 0.2 * fine.area_plastic, rel=1e-6)
-    assert fine.distribution(np.array([1.2 * (1 - 1e-9)]))[0] == pytest.approx(
-        found.distribution(0, 1.2 * (1 - 1e-9)), rel=4e-3
-    )
+    stress = 1.2 * (1 - 1e-9)
+    assert fine.distribution(np.array([stress]))[0] == pytest.approx(found.distribution(0, stress), rel=4e-3)
 
 
 @pytest.mark.parametrize(
@@ -130,21 +125,17 @@ def test_a_hardness_that_falls_by_rounding_alone_is_one_that_stands(unit):
     def hardness(fall):
         return lambda v: 2 * unit * (1 - fall * np.asarray(v) / unit**2)
 
-    for diffused in (
-        lambda y: solve_diffusion([unit**2], yield_stress=y, **case),
-        lambda y: sine_expansion(unit**2, yield_stress=lambda v: float(y(v)), modes=8, **case),
-    ):
-        diffused(hardness(1e-14))
+    for solve, variance in ((solve_diffusion, [unit**2]), (partial(sine_expansion, modes=8), unit**2)):
+        solve(variance, yield_stress=hardness(1e-14), **case)
         with pytest.raises(OutsideTheory, match="falls"):
-            diffused(hardness(1e-6))
+            solve(variance, yield_stress=hardness(1e-6), **case)
 
 
 def test_sine_expansion_is_exact_between_walls_that_stand():
     stress = np.linspace(-0.5, 2.0, 30)
-    sine = sine_expansion(0.8, pressure=0.6, tensile_limit=0.5, yield_stress=2.0, modes=60)
-    result = solve_diffusion(
-        [0.8], pressure=0.6, tensile_limit=0.5, yield_stress=2.0, tolerance=1e-9
-    ).checked()
+    told = {"pressure": 0.6, "tensile_limit": 0.5, "yield_stress": 2.0}
+    sine = sine_expansion(0.8, **told, modes=60)
+    result = solve_diffusion([0.8], **told, tolerance=1e-9).checked()
     assert result.area_elastic[0] == pytest.approx(sine.area_elastic, rel=1e-8)
     assert result.area_plastic[0] == pytest.approx(sine.area_plastic, rel=1e-8)
     assert result.distribution(0, stress) == pytest.approx(sine.distribution(stress), abs=1e-8)
@@ -155,10 +146,8 @@ def test_load_close_to_either_wall(ratio):
     result = solve_diffusion([0.01, 1.0, 30.0], pressure=ratio, yield_stress=1.0).checked()
     assert result.area_plastic[-1] == pytest.approx(ratio, rel=1e-6)
     far = min(ratio, 1 - ratio)
-    eigen = sum(
-        4 / (n * math.pi) * math.sin(n * math.pi * far) * math.exp(-0.5 * (n * math.pi) ** 2)
-        for n in range(1, 12, 2)
-    )
+    waves = np.pi * np.arange(1, 12, 2)
+    eigen = np.sum(4 / waves * np.sin(waves * far) * np.exp(-0.5 * waves**2))
     assert result.area_elastic[1] == pytest.approx(eigen, rel=1e-6)
 
 
@@ -188,25 +177,19 @@ def test_square_root_onset_is_the_same_with_and_without_being_named():
 
 
 def test_a_wall_too_wild_to_follow_ends_in_a_refusal_not_in_a_number():
-    result = solve_diffusion(
-        [1e8], pressure=1.0, tensile_limit=lambda v: 1e3 * (1 + np.sin(3e5 * np.log(v))), modes=44, step=0.3
-    )
+    wild = {"tensile_limit": lambda v: 1e3 * (1 + np.sin(3e5 * np.log(v)))}
+    result = solve_diffusion([1e8], pressure=1.0, **wild, modes=44, step=0.3)
     with pytest.raises(NotConverged, match="ledger"):
         result.checked()
 
 
-@given(
-    pressure=st.floats(0.05, 3), limit=st.floats(0, 5), hardness=st.floats(3.1, 30), growth=st.floats(0, 0.6)
-)
+@given(st.floats(0.05, 3), st.floats(0, 5), st.floats(3.1, 30), st.floats(0, 0.6))
 @settings(max_examples=25)
 def test_ledger_closes_and_areas_are_shares_whatever_the_walls(pressure, limit, hardness, growth):
-    result = solve_diffusion(
-        np.geomspace(0.1, 1e5, 12),
-        pressure=pressure,
-        tensile_limit=lambda v: limit * (1 + v) ** growth,
-        yield_stress=lambda v: hardness * (1 + v) ** (growth / 4),
-        tolerance=1e-5,
-    ).checked()
+    walls = {"tensile_limit": lambda v: limit * (1 + v) ** growth}
+    walls["yield_stress"] = lambda v: hardness * (1 + v) ** (growth / 4)
+    variance = np.geomspace(0.1, 1e5, 12)
+    result = solve_diffusion(variance, pressure=pressure, tolerance=1e-5, **walls).checked()
     for part in (result.area_elastic, result.area_plastic, result.area_detached):
         assert np.all(part > -1e-5)
         assert np.all(part < 1 + 1e-5)
@@ -221,11 +204,8 @@ def test_kernel_matrices_are_the_integrals_of_the_basis():
     series = d[:, None] * (unit[:modes] - unit[2:])
     phi = np.array([np.polynomial.legendre.legval(x, row) for row in series])
     slope = np.array([np.polynomial.legendre.legval(x, np.polynomial.legendre.legder(row)) for row in series])
-    for rows, exact in (
-        (mass, phi * w @ phi.T),
-        (shift, phi * w @ slope.T),
-        (stretch, phi * w * x @ slope.T),
-    ):
+    products = (phi * w @ phi.T, phi * w @ slope.T, phi * w * x @ slope.T)
+    for rows, exact in zip((mass, shift, stretch), products, strict=True):
         full = sum(np.diag(rows[o, max(0, 2 - o) : modes - max(0, o - 2)], o - 2) for o in range(5))
         assert full == pytest.approx(exact, abs=1e-14)
     assert slope * w @ slope.T == pytest.approx(np.eye(modes), abs=1e-12)

@@ -32,14 +32,9 @@ def test_adhesion_converges_for_every_hurst_exponent_and_any_number_of_decades(s
 
 
 def test_rising_hardness_converges_for_every_hurst_exponent_and_any_number_of_decades(scale):
-    q = np.geomspace(1.1e4, scale.spectrum.q_short, 7)
-    result = size_dependent_hardness(
-        scale,
-        pressure=0.01,
-        yield_stress=lambda k: 0.1 * (1 + k / 1e5) ** 0.05,
-        wavevectors=q,
-        tolerance=1e-5,
-    ).checked()
+    asked = {"wavevectors": np.geomspace(1.1e4, scale.spectrum.q_short, 7), "tolerance": 1e-5}
+    hard = {"pressure": 0.01, "yield_stress": lambda k: 0.1 * (1 + k / 1e5) ** 0.05}
+    result = size_dependent_hardness(scale, **hard, **asked).checked()
     carried = result.load_elastic + result.yield_stress * result.area_plastic
     assert carried == pytest.approx(np.full(7, 0.01), rel=1e-4)
 

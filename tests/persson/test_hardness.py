@@ -21,10 +21,8 @@ def test_areas_and_load_are_conserved(x, v):
 
 @pytest.mark.parametrize("x", [1e-9, 0.2, 0.7, 1 - 1e-9])
 def test_images_and_eigenfunctions_meet(x):
-    below, above = (
-        constant_hardness(x, stress_variance=v, yield_stress=1.0)
-        for v in (0.35 * (1 - 1e-15), 0.35 * (1 + 1e-15))
-    )
+    variances = 0.35 * (1 - 1e-15), 0.35 * (1 + 1e-15)
+    below, above = (constant_hardness(x, stress_variance=v, yield_stress=1.0) for v in variances)
     assert below.elastic == pytest.approx(float(above.elastic), rel=1e-12)
     assert below.plastic == pytest.approx(float(above.plastic), rel=1e-12)
     assert below.detached == pytest.approx(float(above.detached), rel=1e-12)
@@ -51,9 +49,8 @@ def test_size_dependent_hardness_reduces_to_the_constant_one():
     steel = SelfAffine.from_rms_height(1e-7, hurst=0.8, q_long=1e5, q_short=1e8)
     scale = Scale(steel, contact_modulus=1e11)
     q = np.geomspace(1.2e5, 1e8, 9)
-    moving = size_dependent_hardness(
-        scale, pressure=1e7, yield_stress=lambda k: np.full(np.shape(k), 2e9), wavevectors=q
-    ).checked()
+    asked = {"yield_stress": lambda k: np.full(np.shape(k), 2e9), "wavevectors": q}
+    moving = size_dependent_hardness(scale, pressure=1e7, **asked).checked()
     still = constant_hardness(1e7, stress_variance=scale.variance(q), yield_stress=2e9)
     # The tolerance is relative to the contact area, which starts at 1.
     assert moving.area_plastic == pytest.approx(still.plastic, abs=1e-6 * moving.area.max())

@@ -4,11 +4,12 @@ import math
 
 import numpy as np
 import pytest
-from scipy.integrate import quad
+from scipy.integrate import quad, quad_vec
 from scipy.special import erfc
 
 from persson import ElasticPlate, archard_hierarchy, height_distribution, maximum_height, solve_diffusion
 from persson.asperities import Asperities, yielding_asperities
+from persson.elastic import contact_area
 from persson.errors import InvalidInput, OutsideTheory
 from persson.percolation import MEASURED_THRESHOLD, percolation_magnification
 from persson.scale import Scale
@@ -21,9 +22,8 @@ from persson.tensile import adhesion_load
 
 def test_one_level_of_archard_is_hertz():
     found = archard_hierarchy(3.0, radii=[0.01], densities=[], contact_modulus=1e9)
-    assert found.area == pytest.approx(
-        math.pi * hertz(3.0, radius=0.01, contact_modulus=1e9).radius ** 2, rel=1e-13
-    )
+    ball = hertz(3.0, radius=0.01, contact_modulus=1e9)
+    assert found.area == pytest.approx(math.pi * ball.radius**2, rel=1e-13)
     assert found.exponent == pytest.approx(2 / 3, rel=1e-14)
 
 
@@ -64,14 +64,10 @@ def test_yielding_asperities_are_the_sum_over_heights():
         area = math.pi * bumps.radius * s
         return np.array([area, 0.0, 4 / 3 * modulus * math.sqrt(bumps.radius) * s**1.5])
 
-    totals = []
-    for k in range(3):
-        total = 0.0
-        for low, high in ((d, d + onset), (d + onset, 12e-8)):
-            total += quad(
-                lambda z, k=k: per_height(z)[k] * float(height_distribution(z, rms_height=1e-8)), low, high
-            )[0]
-        totals.append(1e10 * total)
+    totals = np.zeros(3)
+    for low, high in ((d, d + onset), (d + onset, 12e-8)):
+        weighed = lambda z: per_height(z) * float(height_distribution(z, rms_height=1e-8))  # noqa: E731
+        totals += 1e10 * quad_vec(weighed, low, high, epsrel=1e-10)[0]
     found = yielding_asperities(d, asperities=bumps, contact_modulus=modulus, hardness=hardness)
     assert [found.area, found.area_plastic, found.pressure] == pytest.approx(totals, rel=1e-7)
 
@@ -121,13 +117,9 @@ def test_adhesion_load_is_the_solution_of_the_diffusion_equation():
 def test_gaps_percolate_where_the_area_falls_to_the_threshold():
     rough = SelfAffine.from_rms_height(1e-6, hurst=0.8, q_long=1e5, q_short=1e8)
     scale = Scale(rough, contact_modulus=1e8)
-    zeta = [
-        percolation_magnification(scale, pressure=1e7, q_reference=1e5, threshold=t)
-        for t in (0.3, MEASURED_THRESHOLD)
-    ]
+    asked, thresholds = {"pressure": 1e7, "q_reference": 1e5}, (0.3, MEASURED_THRESHOLD)
+    zeta = [percolation_magnification(scale, threshold=threshold, **asked) for threshold in thresholds]
     assert zeta[1] < zeta[0]
-    from persson.elastic import contact_area
-
     assert contact_area(1e7, stress_variance=scale.variance(zeta[0] * 1e5)) == pytest.approx(0.3, rel=1e-9)
     assert percolation_magnification(scale, pressure=1e10, q_reference=1e5) == math.inf
 
@@ -138,9 +130,8 @@ def test_structure_makes_keratin_softer_than_rubber():
     assert 5e4 < gecko < 2e5
     inertia = math.pi * 2.1e-6**4 / 4
     expected = 3 * 1.5e9 * inertia * 1.44e10 * math.sin(0.75) / (106e-6 * math.cos(0.75)) ** 2
-    assert fibre_modulus(1.5e9, radius=2.1e-6, length=106e-6, density=1.44e10, angle=0.75) == pytest.approx(
-        expected, rel=1e-12
-    )
+    steep = fibre_modulus(1.5e9, radius=2.1e-6, length=106e-6, density=1.44e10, angle=0.75)
+    assert steep == pytest.approx(expected, rel=1e-12)
     assert foam_modulus(1e9, wall=1.0, cell=10.0) == pytest.approx(1e6, rel=1e-12)
     with pytest.raises(InvalidInput, match="wall"):
         foam_modulus(1e9, wall=2.0, cell=1.0)

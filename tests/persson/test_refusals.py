@@ -76,9 +76,10 @@ REFUSED = {
 }
 
 
-@pytest.mark.parametrize(
-    ("kind", "call", "words"), [(kind, *row) for kind, rows in REFUSED.items() for row in rows]
-)
+EACH = [(kind, *row) for kind, rows in REFUSED.items() for row in rows]
+
+
+@pytest.mark.parametrize(("kind", "call", "words"), EACH)
 def test_what_the_theory_cannot_be_asked_is_refused_by_name(kind, call, words):
     with refused(kind, words):
         call()

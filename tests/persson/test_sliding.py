@@ -20,30 +20,23 @@ def by_quadrature(velocity, energy_ratio):
     plane = 1 - 0.5**2
 
     def around(q, weight):
-        return (
-            4
-            * quad(lambda angle: weight(q * velocity * math.cos(angle), angle), 0, math.pi / 2, limit=200)[0]
-        )
+        part = lambda angle: weight(q * velocity * math.cos(angle), angle)  # noqa: E731
+        return 4 * quad(part, 0, math.pi / 2, limit=200)[0]
 
     def grown(q):
-        return (
-            q**3 * float(ROAD(q)) / 4 * around(q, lambda w, _: abs(complex(RUBBER.modulus(w)) / plane) ** 2)
-        )
+        stiff = around(q, lambda w, _: abs(complex(RUBBER.modulus(w)) / plane) ** 2)
+        return q**3 * float(ROAD(q)) / 4 * stiff
+
+    def lossy(q):
+        loss = around(q, lambda w, angle: math.cos(angle) * complex(RUBBER.modulus(w)).imag / plane)
+        return q**4 * float(ROAD(q)) / 2 * loss
 
     nodes = np.geomspace(1e3, 1e5, 400)
     rates = np.array([grown(q) for q in nodes]) * nodes
     variance = np.concatenate([[0], np.cumsum((rates[1:] + rates[:-1]) / 2 * np.diff(np.log(nodes)))])
     share = np.where(variance > 0, [math.erf(1e5 / math.sqrt(2 * max(v, 1e-300))) for v in variance], 1.0)
     kept = share * (energy_ratio + (1 - energy_ratio) * share**2)
-    lost = np.array(
-        [
-            q**4
-            * float(ROAD(q))
-            / 2
-            * around(q, lambda w, a: math.cos(a) * complex(RUBBER.modulus(w)).imag / plane)
-            for q in nodes
-        ]
-    )
+    lost = np.array([lossy(q) for q in nodes])
     return float(np.trapezoid(kept * lost, np.log(nodes))) / 1e5, share[-1]
 
 
@@ -67,9 +60,8 @@ def test_slow_and_fast_it_is_the_elastic_theory_without_friction(velocity, young
 def test_full_contact_loses_what_every_wave_loses():
     q, velocity = np.array([2e3, 5e3, 5e3]), 1e-3
     qx, power = np.array([2e3, 3e3, -3e3]), np.array([1e-12, 4e-13, 4e-13])
-    found = friction_of_waves(
-        qx, np.sqrt(q**2 - qx**2), power=power, velocity=velocity, **(TOLD | {"pressure": 1e9})
-    )
+    told = TOLD | {"pressure": 1e9, "power": power, "velocity": velocity}
+    found = friction_of_waves(qx, np.sqrt(q**2 - qx**2), **told)
     lost = RUBBER.modulus(np.abs(qx) * velocity).imag / 0.75
     assert found.friction == pytest.approx(np.sum(power * q * np.abs(qx) * lost) / 2 / 1e9, rel=1e-12)
     assert found.area == 1.0

@@ -9,30 +9,20 @@ from scipy.integrate import quad
 
 from persson import CapillaryWaves, SelfAffine, Spectrum, Tabulated, smoothed
 
-PMMA = CapillaryWaves(
-    temperature=370.0, surface_tension=0.04, q_bend=1.7e9, q_min=2 * math.pi / 1e-4, q_short=7e9
-)
-PYREX = CapillaryWaves(
-    temperature=1100.0, surface_tension=1.0, q_bend=5e9, q_min=2 * math.pi / 1e-6, q_short=1e10
-)
+BAND = {"q_bend": 5e9, "q_min": 2 * math.pi / 1e-6, "q_short": 1e10}
+PYREX = CapillaryWaves(temperature=1100.0, surface_tension=1.0, **BAND)
 
 
 @pytest.mark.parametrize("gravity", [0.0, 3e5, 8.4e8])
 @pytest.mark.parametrize("order", [0, 1, 2])
 def test_moments_of_capillary_waves_equal_the_integrals(gravity, order):
-    waves = CapillaryWaves(
-        temperature=370.0, surface_tension=0.04, q_bend=1.7e9, q_min=6e4, q_short=7e9, q_gravity=gravity
-    )
+    band = {"q_bend": 1.7e9, "q_min": 6e4, "q_short": 7e9, "q_gravity": gravity}
+    waves = CapillaryWaves(temperature=370.0, surface_tension=0.04, **band)
     for q_upper in (1e5, 1e8, 7e9):
         exact = (waves.m0, waves.m2, waves.m4)[order](q_upper)
-        integral, _ = quad(
-            lambda t: math.exp(t) ** (2 * order + 2) * float(waves(math.exp(t))),
-            math.log(waves.q_min),
-            math.log(q_upper),
-            epsrel=1e-11,
-            epsabs=0,
-            limit=400,
-        )
+        density = lambda t: math.exp(t) ** (2 * order + 2) * float(waves(math.exp(t)))  # noqa: E731
+        ends, how = (math.log(waves.q_min), math.log(q_upper)), {"epsrel": 1e-11, "epsabs": 0, "limit": 400}
+        integral, _ = quad(density, *ends, **how)
         assert exact == pytest.approx(2 * math.pi * integral, rel=1e-9)
 
 
@@ -40,10 +30,9 @@ def test_narrow_bands_keep_their_digits():
     width = 1e-6 * PYREX.q_min
     band = dataclasses.replace(PYREX, q_short=PYREX.q_min + width)
     middle = PYREX.q_min + width / 2
+    power = 2 * math.pi * float(PYREX(middle)) * (band.q_short - band.q_min)
     for order, moment in enumerate((band.m0(), band.m2(), band.m4())):
-        expected = (
-            2 * math.pi * middle ** (2 * order + 1) * float(PYREX(middle)) * (band.q_short - band.q_min)
-        )
+        expected = power * middle ** (2 * order + 1)
         assert moment == pytest.approx(expected, rel=1e-10)
 
 

@@ -55,6 +55,8 @@ def changed(tree, place, value):
     return tree
 
 
+#: Of a scene of a map: what follows its surface, but for the methods.
+PRESSED = '[solid]\nyoung = "2 MPa"\npoisson = 0.3\n[load]\nreduced_pressure = 0.1\n'
 #: Tables that are added to it.
 HARD = '[[effects]]\nkind = "hardness"\nhardness = "60 kPa"\n'
 STICKY = '[[effects]]\nkind = "adhesion"\nwork = "1 mJ/m^2"\nreach = "0.2 um"\n'

@@ -22,11 +22,8 @@ def test_every_solve_that_keeps_a_located_area_says_how_edges_are_located():
     modules = [module for name, module in sys.modules.items() if name.startswith("validation.")]
     kinds = {one.kind: one for m in modules for one in vars(m).values() if isinstance(one, Measurement)}
     text = {kind: inspect.getsource(sys.modules[one.__module__]) for kind, one in kinds.items()}
-    locating = {
-        kind
-        for kind in kinds
-        if re.search(r"(located_area|areas_of_solve|press_on_grids)\(|subcell=(True|not|located)", text[kind])
-    }
+    located = re.compile(r"(located_area|areas_of_solve|press_on_grids)\(|subcell=(True|not|located)")
+    locating = {kind for kind in kinds if located.search(text[kind])}
     recipes = {kind: inspect.getsource(one.recipe) if one.recipe else "" for kind, one in kinds.items()}
     told = {kind for kind, one in kinds.items() if one.located or "LOCATED_EDGES" in recipes[kind]}
     assert len(locating) >= 10

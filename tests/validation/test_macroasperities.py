@@ -25,7 +25,6 @@ def data(asked):
 
 
 def pressed(options, k, *, zeta, load):
-    """The same state once more, cold."""
     case = options.first.further(k)
     field = case.heights(grid_for(case, options.points_per_wave))
     cut = without_waves_beyond(field, zeta * 2 * np.pi / case.longest)
@@ -107,13 +106,9 @@ def test_macroasperities_are_where_ln_a_of_the_theory_bends_most_and_their_press
 ):
     first, loads = options.first, data.reduced_pressure.values
     zetas = np.geomspace(0.5, 4.0, 2001)
-    told = area_against_magnification(
-        first.own_spectrum,
-        pressure=loads[1] * first.pressure_scale,
-        contact_modulus=first.contact_modulus,
-        magnification=zetas,
-        q_reference=2 * np.pi / first.longest,
-    )
+    asked = {"pressure": loads[1] * first.pressure_scale, "contact_modulus": first.contact_modulus}
+    asked |= {"magnification": zetas, "q_reference": 2 * np.pi / first.longest}
+    told = area_against_magnification(first.own_spectrum, **asked)
     zeta = float(data.macro_magnification[1])
     assert zeta == pytest.approx(zetas[1 + np.argmax(np.diff(np.log(told), 2))], rel=0.01)
     seen = contact_areas(pressed(options, 2, zeta=zeta, load=loads[1]), subcell=True).subcell
@@ -125,9 +120,8 @@ def test_macroasperities_are_where_ln_a_of_the_theory_bends_most_and_their_press
 
 def test_thresholds_are_means_over_surfaces_of_both_directions(data):
     told = data.copy(deep=True)
-    told["percolation_area_axis_each"].loc[{"phase": "contact"}] = np.array(
-        [[0.30, 0.40], [0.36, 0.38], [0.38, 0.40]]
-    )[:, None, :]
+    areas = np.array([[0.30, 0.40], [0.36, 0.38], [0.38, 0.40]])
+    told["percolation_area_axis_each"].loc[{"phase": "contact"}] = areas[:, None, :]
     again = macroasperities._with_thresholds(told).sel(phase="contact")
     half = 4.302652729911275 * np.std([0.35, 0.37, 0.39], ddof=1) / np.sqrt(3)
     assert float(again.percolation_area_pooled) == pytest.approx(0.37)

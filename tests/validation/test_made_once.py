@@ -13,7 +13,6 @@ from validation.scenes import surfaces
 
 @pytest.fixture
 def counted(monkeypatch):
-    """Count the calls of a function of a module, by name."""
     calls = collections.Counter()
 
     def count(place, name):

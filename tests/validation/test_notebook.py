@@ -20,9 +20,8 @@ DOCS = Path(__file__).parents[2] / "docs"
 def _run(name):
     path = DOCS / f"{name}.ipynb"
     space: dict[str, object] = {}
-    sources = [
-        "".join(c["source"]) for c in json.loads(path.read_text())["cells"] if c["cell_type"] == "code"
-    ]
+    cells = json.loads(path.read_text())["cells"]
+    sources = ["".join(cell["source"]) for cell in cells if cell["cell_type"] == "code"]
     for source in sources:
         exec(compile(source, str(path), "exec"), space)
     return space, sources
@@ -52,6 +51,13 @@ def test_each_of_ten_things_takes_four_lines_at_most_and_gives_its_numbers(tmp_p
     assert space["patches"].count == 10
 
 
+def _afm(folder):
+    rough = {"hurst": 0.8, "lambda_long": "500 nm", "lambda_short": "125 nm", "rms_gradient": 0.1, "seed": 2}
+    heights = self_affine(length="1 um", **rough).heights(24).values
+    write_topography(folder / "afm.nc", field := HeightField(heights=heights, lengths=(1e-6, 1e-6)))
+    return field
+
+
 def _blocks(path, language):
     return re.findall(rf"```{language}\n(.*?)```", path.read_text(encoding="utf-8"), re.DOTALL)
 
@@ -68,9 +74,7 @@ def test_the_lines_of_python_in_the_readme_print_what_it_shows(capsys, tmp_path,
 @pytest.mark.nightly
 def test_the_recipes_run_in_their_order(capsys, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    rough = {"hurst": 0.8, "lambda_long": "500 nm", "lambda_short": "125 nm", "rms_gradient": 0.1, "seed": 21}
-    field = self_affine(length="1 um", **rough).heights(24)
-    write_topography(tmp_path / "afm.nc", HeightField(heights=field.values, lengths=(1e-6, 1e-6)))
+    _afm(tmp_path)
     space: dict[str, object] = {}
     for source in _blocks(DOCS / "how_to.md", "python"):
         if 'study("hurst"' in source:  # minutes; the study has tests of its own
@@ -97,12 +101,7 @@ def test_the_examples_of_a_page_run(page, tmp_path, monkeypatch):
     """Python as it stands; commands too, but runs and studies by their plans."""
     monkeypatch.chdir(tmp_path)
     text = page.read_text(encoding="utf-8")
-    rough = self_affine(
-        length="1 um", hurst=0.8, lambda_long="500 nm", lambda_short="125 nm", rms_gradient=0.1, seed=2
-    )
-    half_space = HalfSpace(solid=Solid(young=1e9, poisson=0.3))
-    surface = HeightField(heights=rough.heights(24).values, lengths=(1e-6, 1e-6))
-    write_topography(tmp_path / "afm.nc", surface)
+    half_space, surface = HalfSpace(solid=Solid(young=1e9, poisson=0.3)), _afm(tmp_path)
     contact = bem.solve(surface, half_space, mean_pressure=5e6)
     space = {"surface": surface, "half_space": half_space, "contact": contact}
     if "scenes copy" not in text:

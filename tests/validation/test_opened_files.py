@@ -26,7 +26,8 @@ from validation.files import locked
 from validation.solvers import find_solver
 
 #: Of each file: by chance a bit, a digit, the end, or a block.
-COUNTS = [1, pytest.param(200, marks=pytest.mark.nightly)]
+NIGHTLY = pytest.mark.nightly
+COUNTS = [1, pytest.param(200, marks=NIGHTLY)]
 #: What makes results of each kind; the same command takes up what is finished.
 MADE = {
     "run": "run scene.toml",
@@ -121,7 +122,6 @@ def results(tmp_path_factory):
 
 
 def _made(place, name):
-    """Make the results that a command reads, and those that it compares them with."""
     kind = next((kind for kind in MADE if kind in name.split()), "")
     if kind and not (place / kind).exists():
         bare = {"run": "-q", "reproduce": "--no-figures"}.get(kind, "--no-report")
@@ -166,9 +166,7 @@ def _alike(changed, whole):
 
 
 @pytest.mark.parametrize("count", COUNTS)
-@pytest.mark.parametrize(
-    "name", [pytest.param(name, marks=[pytest.mark.nightly] * bool(_LONG.search(name))) for name in COMMANDS]
-)
+@pytest.mark.parametrize("name", [pytest.param(n, marks=[NIGHTLY] * bool(_LONG.search(n))) for n in COMMANDS])
 def test_no_file_that_a_command_opens_is_believed_once_changed(results, name, count, monkeypatch, tmp_path):
     monkeypatch.chdir(results)
     _made(results, name)
@@ -209,14 +207,10 @@ def test_no_file_that_a_command_opens_is_believed_once_changed(results, name, co
 
 
 def test_while_one_process_writes_into_a_folder_others_wait_or_say_so(tmp_path, monkeypatch):
-    words = f"import sys; from validation.files import locked\nwith locked({str(tmp_path)!r}):\n"
-    script = words.replace("import sys;", "import sys; from pathlib import Path;").replace(
-        repr(str(tmp_path)), f"Path({str(tmp_path)!r})"
-    )
-    script += "    print('in', flush=True)\n    sys.stdin.read()"
-    other = subprocess.Popen(
-        [sys.executable, "-c", script], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
-    )
+    script = "import sys; from pathlib import Path; from validation.files import locked\n"
+    script += f"with locked(Path({str(tmp_path)!r})):\n    print('in', flush=True)\n    sys.stdin.read()"
+    pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "text": True}
+    other = subprocess.Popen([sys.executable, "-c", script], **pipes)
     assert other.stdout.readline() == "in\n"
     monkeypatch.setattr("validation.files._PATIENCE", 0.2)
     for shared in (False, True):
@@ -232,27 +226,19 @@ def test_a_system_without_locks_says_so_once(tmp_path, monkeypatch, capsys):
     for _ in range(2):
         with locked(tmp_path):
             pass
-    assert capsys.readouterr().err == (
-        "fem-contact: no locks on this system: start one run at a time into a folder\n"
-    )
+    words = "fem-contact: no locks on this system: start one run at a time into a folder\n"
+    assert capsys.readouterr().err == words
 
 
-@pytest.mark.parametrize(("at_once", "rounds"), [pytest.param(10, 20, marks=pytest.mark.nightly)])
-def test_runs_at_once_in_one_folder_each_end_well(tmp_path, at_once, rounds):
+@pytest.mark.nightly
+def test_runs_at_once_in_one_folder_each_end_well(tmp_path):
     for k in range(3):
         (tmp_path / f"{k}.toml").write_text(small_scene(grids="[12, 24]").replace("seed = 77", f"seed = {k}"))
-    for _ in range(rounds):
+    for _ in range(20):
         shutil.rmtree(tmp_path / "out", ignore_errors=True)  # so that they solve, and the same ones at once
-        runs = [
-            subprocess.Popen(
-                [sys.executable, "-m", "validation.cli", "run", f"{k % 3}.toml", "-o", "out", "-q"],
-                cwd=tmp_path,
-                stdout=subprocess.PIPE,
-                stderr=subprocess.STDOUT,
-                text=True,
-            )
-            for k in range(at_once)
-        ]
+        command = [sys.executable, "-m", "validation.cli", "run", "-o", "out", "-q"]
+        pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.STDOUT, "text": True, "cwd": tmp_path}
+        runs = [subprocess.Popen([*command, f"{k % 3}.toml"], **pipes) for k in range(10)]
         for run in runs:
             said = run.communicate(timeout=600)[0]
             assert run.returncode == 0 or "another run is writing there" in said, said

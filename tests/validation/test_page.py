@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from rich.console import Console
-from small_scene import SQUARE_CELLS, scene_of
+from small_scene import scene_of
 
 from validation.audit.values import page_tables
 from validation.cli.results import Bar, page_table, print_outputs, sentence_lines
@@ -37,11 +37,9 @@ from validation.studies._outputs import _cards, _undetermined, run_study, study_
 
 
 def _run_area(folder, store, **how):
-    """Run the smallest study at a small size."""
     area = find_study("area")
-    options = area.options(
-        reduced_pressures=(0.02, 0.1, 0.5), seed=3, surfaces=2, grids=(16, 24, 32), bandwidth=2.0
-    )
+    rough = {"seed": 3, "surfaces": 2, "grids": (16, 24, 32), "bandwidth": 2.0}
+    options = area.options(reduced_pressures=(0.02, 0.1, 0.5), **rough)
     return run_study(area, options, folder, bench=Bench.at(store), **how)
 
 
@@ -148,9 +146,8 @@ def test_half_a_page_holds_a_table_of_76_characters():
 
 def test_what_was_measured_nowhere_takes_no_column_and_is_named_below():
     cells = [("a", 1.0, "not measured", "not measured"), ("b", 2.0, "not measured", 0.5)]
-    table = shown(
-        ResultTable(columns=("number", "grid [%]", "size [%]", "solver [%]"), rows=cells), note="Shares."
-    )
+    columns = ("number", "grid [%]", "size [%]", "solver [%]")
+    table = shown(ResultTable(columns=columns, rows=cells), note="Shares.")
     assert table.columns == ("number", "grid [%]", "solver [%]")
     assert table.note == "Shares. Not measured: size."
 
@@ -172,10 +169,8 @@ def test_numbers_of_a_figure_stand_at_values_not_at_places(tmp_path):
 
 
 def test_what_looks_like_markup_is_shown_and_not_obeyed():
-    page = dataclasses.replace(
-        _page(findings=("<b>A/A0</b> = 1",), answers=(Card("<i>", "<u>"),)), title="<script>alert(1)</script>"
-    )
-    html = render(page)
+    page = _page(findings=("<b>A/A0</b> = 1",), answers=(Card("<i>", "<u>"),))
+    html = render(dataclasses.replace(page, title="<script>alert(1)</script>"))
     assert "<script>" not in html
     assert "&lt;b&gt;A/A<sub>0</sub>&lt;/b&gt; = 1" in html
     assert not re.search(r"<[iu]>", html)
@@ -184,11 +179,8 @@ def test_what_looks_like_markup_is_shown_and_not_obeyed():
 def test_a_run_of_another_scene_leaves_nothing_of_the_one_before(small_run, read_scene, tmp_path):
     folder = tmp_path / "results"
     shutil.copytree(small_run.folder, folder)
-    old = [folder / "figures" / name for name in ("surface-3d.png", "other.svg", "other-bin.csv")]
-    old += [
-        folder / name
-        for name in ("areas.csv", "data.csv", "data-load.csv", "study.json", "run.json", "accuracy.json")
-    ]
+    names = "figures/surface-3d.png figures/other.svg areas.csv data.csv data-load.csv study.json run.json"
+    old = [folder / name for name in names.split()]
     mine = [folder / "notes.txt", folder / "figures" / "notes.txt"]
     for path in (*old, *mine):
         path.write_text("earlier")
@@ -292,21 +284,9 @@ def test_findings_break_at_words_on_a_terminal_and_nowhere_in_a_log(small_run):
     assert sentence_lines(finding, None) == [finding]
 
 
-def test_a_log_says_how_many_of_how_many_as_it_goes(read_scene, tmp_path, capsys):
-    scene = read_scene(SQUARE_CELLS, fem=False)
-    with Bar(quiet=False) as bar:
-        bench = Bench.at(tmp_path / "solves", progress=bar)
-        run_scene(scene, tmp_path / "results", bench=bench, report=False)
-    lines = capsys.readouterr().err.splitlines()
-    assert lines[0].startswith("fem-contact: 1 of 12: ")
-    assert lines[-1].startswith("fem-contact: 12 of 12: ")
-
-
 def _jobs(count):
-    cost = SimpleNamespace(seconds=0.1)
-    return tuple(
-        SimpleNamespace(key=str(k), describe=lambda: "a solve", predict=lambda: cost) for k in range(count)
-    )
+    own = {"describe": lambda: "a solve", "predict": lambda: SimpleNamespace(seconds=0.1)}
+    return tuple(SimpleNamespace(key=str(k), **own) for k in range(count))
 
 
 def test_between_the_first_and_the_last_a_log_says_a_line_in_ten_seconds(monkeypatch, capsys):
@@ -344,9 +324,7 @@ def test_a_bar_ends_full_and_counts(monkeypatch):
         assert (task.percentage, task.fields["count"]) == (100, "all 5 solves found,")
 
 
-@pytest.mark.parametrize(
-    "name", ["BEM 512x512", "kappa, limit over grids 96x96, H = 0.8, nu = 0.3, surface 12 (-h)"]
-)
+@pytest.mark.parametrize("name", ["BEM 512x512", "kappa, grids 96x96, H = 0.8, nu = 0.3, surface 12 (-h)"])
 def test_the_times_of_a_bar_are_whole_on_80_columns(monkeypatch, name):
     monkeypatch.setattr("rich.console.Console.is_terminal", True)
     monkeypatch.setenv("COLUMNS", "80")
@@ -383,7 +361,6 @@ def test_a_logarithmic_axis_of_few_decades_carries_plain_numbers_and_two_at_leas
 
 
 def logarithmic(low, high):
-    """A logarithmic axis from its lower to its upper end."""
     _, (axes,) = new_figure(1)
     axes.set_xscale("log")
     axes.set_xlim(low, high)
@@ -452,9 +429,8 @@ def test_the_card_says_what_is_known_of_the_interval(small_run):
 
 @pytest.mark.parametrize("name", ["area", "limit", "kappa"])
 def test_a_study_counts_what_it_could_not_determine(name):
-    known = xr.Dataset(
-        {name: ("load", [0.1, np.nan, np.nan]), f"{name}_error": (("load", "source"), [[0.1]] * 3)}
-    )
+    known = xr.Dataset({name: ("load", [0.1, np.nan, np.nan])})
+    known[f"{name}_error"] = (("load", "source"), [[0.1]] * 3)
     (said,) = _undetermined(known)
     assert said.startswith(f"2 of 3 values of '{name}' are not determinable")
     assert list(_undetermined(known.isel(load=[0]))) == []

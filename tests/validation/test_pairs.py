@@ -64,15 +64,10 @@ def test_the_statistics_of_a_block_are_those_of_its_surfaces():
 def test_the_name_of_a_block_tells_loads_effects_and_surfaces_apart():
     problem = base(Load(reduced_pressure=0.2))
     usual = area_pairs(problem=problem, grids=GRIDS, first=0, count=2, tolerance=1e-6, effects=())
-    others = [
-        usual.but(problem=base(Load(pressure=4e7))),
-        usual.but(first=2),
-        usual.but(count=4),
-        usual.but(grids=GRIDS[:1]),
-        usual.but(tolerance=1e-5),
-        usual.but(effects=(Hardness(hardness=1.5e8),)),
-    ]
-    assert len({usual.key, *(other.key for other in others)}) == 1 + len(others)
+    others = {"first": 2, "count": 4, "grids": GRIDS[:1], "tolerance": 1e-5}
+    others |= {"problem": base(Load(pressure=4e7)), "effects": (Hardness(hardness=1.5e8),)}
+    keys = {usual.but(**{name: value}).key for name, value in others.items()}
+    assert len({usual.key, *keys}) == 7
     assert 2 * usual.predict().seconds == pytest.approx(usual.but(count=4).predict().seconds)
     one = press_on_grids(problem=problem, grids=GRIDS, effects=(), shifts=1)
     assert usual.predict().seconds == pytest.approx(2 * 2 * one.predict().seconds)

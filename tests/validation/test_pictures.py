@@ -24,9 +24,7 @@ def test_a_renderer_that_dies_or_hangs_leaves_a_word_and_no_file(tmp_path, monke
 
 def test_what_is_rendered_is_the_stored_contact(small_run, tmp_path, monkeypatch):
     drawn = []
-    monkeypatch.setattr(
-        "fem_contact.export.render_surface", lambda path, solution: drawn.append((path, solution))
-    )
+    monkeypatch.setattr("fem_contact.export.render_surface", lambda *drawing: drawn.append(drawing))
     (stored,) = (small_run.folder / "solves").glob("fem-24x16-*.nc")
     run._render(stored, tmp_path / "surface.png")
     ((path, solution),) = drawn

@@ -75,7 +75,6 @@ class Planted:
 
 
 def limits_of(data, law, *of):
-    """Limits over grids with their half widths, of what follows a law."""
     return [
         (variable, data[f"{name}_error"].sel(source="grid"))
         for name, variable in data.data_vars.items()
@@ -84,9 +83,7 @@ def limits_of(data, law, *of):
     ]
 
 
-@pytest.mark.parametrize(
-    ("size", "name"), [(0.9, name) for name in LIMITED] + [(0.0, "area"), (0.0, "refinement")]
-)
+@pytest.mark.parametrize(("size", "name"), [*((0.9, n) for n in LIMITED), (0.0, "area"), (0.0, "refinement")])
 def test_limits_and_their_intervals_are_what_was_planted(size, name, bench, tmp_path, monkeypatch):
     planted = Planted(bench, size)
     monkeypatch.setattr(limits, "areas_of_solve", planted.areas)
@@ -110,11 +107,7 @@ def test_limits_and_their_intervals_are_what_was_planted(size, name, bench, tmp_
 
 
 #: Outcomes by kind, of a half width below and above what decides: that of a value above 0, and below.
-TURNS = {
-    "comparison": (("+", "-"), "0"),
-    "trend": (("+", "-"), "0"),
-    "agreement": (("differ", "differ"), "agree"),
-}
+TURNS = dict.fromkeys(("comparison", "trend"), (("+", "-"), "0")) | {"agreement": (("differ",) * 2, "agree")}
 
 
 @pytest.mark.parametrize("name", ASKED)

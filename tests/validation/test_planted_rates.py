@@ -33,12 +33,8 @@ def test_the_interval_over_surfaces_holds_the_planted_mean(surfaces, pairs):
 
 def test_errors_of_several_sources_and_variables_combine_to_intervals_that_hold():
     grid, solver, other = normal(1, 3, PLANTS)
-    data = xr.Dataset(
-        {
-            "area": ("load", TRUTH + 0.003 * grid + 0.002 * solver),
-            "area_persson": ("load", 0.2 + 0.001 * other),
-        }
-    )
+    data = xr.Dataset({"area": ("load", TRUTH + 0.003 * grid + 0.002 * solver)})
+    data = data.assign(area_persson=("load", 0.2 + 0.001 * other))
     data = claim(data, "area", grid=NORMAL * 0.003, solver=NORMAL * 0.002)
     data = claim(data, "area_persson", grid=NORMAL * 0.001, solver="it is exact")
     data = derive(data, area_ratio="area / area_persson", area_excess="log(area / area_persson)")

@@ -16,11 +16,8 @@ from validation.scenes.tables import RandomSurface
 COUNTS = ("surfaces", "pairs", "ladder_pairs", "method_pairs", "probe_surfaces")
 #: `archard` moves its surfaces, `reference` regresses on theirs; the others take no mean over surfaces.
 NOT_ASKED = ("archard", "reference", "accuracy-cost", "scaling")
-ASKED = [
-    name
-    for name, told in STUDIES.items()
-    if set(COUNTS) & told.keys() and " " not in name and name not in NOT_ASKED
-]
+COUNTED = [name for name, told in STUDIES.items() if set(COUNTS) & told.keys()]
+ASKED = [name for name in COUNTED if " " not in name and name not in NOT_ASKED]
 #: Twice their surfaces take as long as those of all others; of them it is asked that copies do not scatter.
 LONG = ("adhesion", "autopsy")
 #: More of the small samples are pressed than of the large ones.
@@ -42,16 +39,12 @@ def repeated(name, bench, folder, *, distinct, times):
 
 def of_surfaces(data):
     """Half widths that come from the scatter of surfaces, not from that of points about a line."""
-    errors = {
-        str(name).removesuffix("_error"): error.sel(source="surfaces")
-        for name, error in data.data_vars.items()
-        if "surfaces" in error.coords.get("source", []) and "surface" not in error.dims
-    }
-    return {
-        name: error
-        for name, error in errors.items()
-        if "fit" not in data[f"{name}_error"].attrs.get(HOLDS, "")
-    }
+    found = {}
+    for name, error in data.data_vars.items():
+        scatter = "surfaces" in error.coords.get("source", []) and "surface" not in error.dims
+        if scatter and "fit" not in error.attrs.get(HOLDS, ""):
+            found[str(name).removesuffix("_error")] = error.sel(source="surfaces")
+    return found
 
 
 @pytest.mark.parametrize("name", ASKED)

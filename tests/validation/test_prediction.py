@@ -28,24 +28,12 @@ LIST = [
 
 def job_of(number, *, small=False):
     method, n, pressure, settings = LIST[number]
-    surface = SelfAffineSurface(
-        kind="self-affine",
-        length=(1e-4, 1e-4),
-        hurst=0.8,
-        lambda_long=5e-5,
-        lambda_short=2.5e-5 if small or n < 64 else 1e-4 / 16,
-        rms_gradient=0.1,
-        seed=12,
-    )
-    side = 16 if small else n
-    return Press(
-        method=method,
-        grid=(side, side),
-        problem=ContactProblem(
-            surface=surface, solid=SolidSpec(young=1e9, poisson=0.3), load=Load(reduced_pressure=pressure)
-        ),
-        settings=tuple(settings.items()),
-    )
+    waves = {"length": (1e-4, 1e-4), "lambda_long": 5e-5, "hurst": 0.8, "rms_gradient": 0.1, "seed": 12}
+    shortest = 2.5e-5 if small or n < 64 else 1e-4 / 16
+    surface = SelfAffineSurface(kind="self-affine", lambda_short=shortest, **waves)
+    solid, load = SolidSpec(young=1e9, poisson=0.3), Load(reduced_pressure=pressure)
+    grid, problem = (16 if small else n,) * 2, ContactProblem(surface=surface, solid=solid, load=load)
+    return Press(method=method, grid=grid, problem=problem, settings=tuple(settings.items()))
 
 
 MEASURE = """

@@ -14,12 +14,9 @@ from validation.report.marks import Band, Figure, Image, Line, Panel, draw, pane
 @pytest.fixture
 def data():
     kappa = xr.DataArray([[2.0, 2.1, 2.3], [1.9, 1.8, 1.7]], dims=("spectrum", "load"))
+    theory, gap = ("load", [1.6, 1.59, 1.58]), ("load", [3e-6, 2e-6, 1e-6])
     found = xr.Dataset(
-        {
-            "kappa": kappa,
-            "kappa_persson": ("load", [1.6, 1.59, 1.58]),
-            "mean_gap": ("load", [3e-6, 2e-6, 1e-6]),
-        },
+        {"kappa": kappa, "kappa_persson": theory, "mean_gap": gap},
         coords={"reduced_pressure": ("load", [0.01, 0.05, 0.1]), "hurst": ("spectrum", [0.3, 0.8])},
     )
     return claim(found, "kappa", surfaces=0.1 * kappa, grid=0.05 * kappa)
@@ -28,12 +25,9 @@ def data():
 @pytest.fixture
 def drawing(data):
     lines = [Line(y="kappa", by="spectrum"), Line(y="kappa_persson")]
-    gap = Panel(
-        marks=[Line(y="mean_gap"), Band(y="mean_gap", high="mean_gap", label="range")], x="reduced_pressure"
-    )
-    return draw(
-        Figure(name="f", caption="c", panels=[Panel(marks=lines, x="reduced_pressure", log="x"), gap]), data
-    )
+    gaps = [Line(y="mean_gap"), Band(y="mean_gap", high="mean_gap", label="range")]
+    panels = [Panel(marks=lines, x="reduced_pressure", log="x"), Panel(marks=gaps, x="reduced_pressure")]
+    return draw(Figure(name="f", caption="c", panels=panels), data)
 
 
 def line(drawing, k):

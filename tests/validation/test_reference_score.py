@@ -43,9 +43,8 @@ def test_theories_are_told_the_roll_off_and_scored_on_its_cells(tmp_path):
     path = Path(reference.__file__).with_name("plateau.csv")
     data = study("reference-score", theory=("greenwood-williamson",), csv=path, rolloff="plateau")
     assert "120 of 120 cells of plateau.csv" in " ".join(find_study("reference-score").findings(data))
-    spectrum = SelfAffine.from_rms_gradient(
-        0.1, hurst=0.8, q_long=4.0, q_short=32.0, rolloff="plateau", q_min=1.0
-    )
+    bent = {"rolloff": "plateau", "q_min": 1.0}
+    spectrum = SelfAffine.from_rms_gradient(0.1, hurst=0.8, q_long=4.0, q_short=32.0, **bent)
     rough = Rough(contact_modulus=1.0, moments=spectrum.moments(), spectrum=spectrum, waves=None)
     area = find_theory("greenwood-williamson").area(np.array([0.005]), rough)
     found = data.area_scored.sel(hurst=0.8, bandwidth=8.0, reduced_pressure=0.05)[0]

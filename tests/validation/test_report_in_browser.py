@@ -14,10 +14,8 @@ FLAGS = (
     "--headless --no-sandbox --disable-gpu --disable-quic --no-first-run --disable-background-networking "
     "--disable-component-update --disable-sync --hide-scrollbars --enable-logging=stderr --v=0"
 )
-needs_browser = pytest.mark.skipif(
-    CHROMIUM is None,
-    reason="LOUD: no Chromium (apt install chromium): the report was not looked at in a browser",
-)
+WITHOUT = "LOUD: no Chromium (apt install chromium): the report was not looked at in a browser"
+needs_browser = pytest.mark.skipif(CHROMIUM is None, reason=WITHOUT)
 
 #: Asks the page, in the browser, what is on it; appended to a copy of the report.
 QUESTION = """
@@ -72,7 +70,6 @@ def browse(page, folder, *, width, height, screenshot=None):
 
 @pytest.fixture(scope="module")
 def pages(small_run, tmp_path_factory, left):
-    """The report of a run and that of a study."""
     folder = tmp_path_factory.mktemp("pages")
     shutil.copytree(small_run.folder, folder / "run")
     left("area", folder / "study")
@@ -142,9 +139,8 @@ onload = () => {{
 @pytest.mark.parametrize("name", ["run", pytest.param("study", marks=pytest.mark.nightly)])
 def test_on_a_telephone_the_page_stays_and_what_goes_on_sideways_says_so(pages, tmp_path, name):
     phone = tmp_path / "phone.html"
-    phone.write_text(
-        PHONE.format(page=html.escape(pages[name].read_text(encoding="utf-8"))), encoding="utf-8"
-    )
+    page = html.escape(pages[name].read_text(encoding="utf-8"))
+    phone.write_text(PHONE.format(page=page), encoding="utf-8")
     _, dom = browse(phone, tmp_path / "profile", width=800, height=1000)
     told = json.loads(html.unescape(re.search(r'<pre id="answer">(.*?)</pre>', dom, re.DOTALL)[1]))
     assert (told["page"], told["text"]) == (390, 16)
@@ -187,14 +183,7 @@ def test_a_screenshot_of_the_report_is_not_blank(pages, tmp_path, width, height)
 
 def test_the_report_names_papers_seeds_versions_and_answers_first(pages):
     page = pages["run"].read_text()
-    for words in (
-        "Persson, Surf. Sci. Rep.",
-        "scikit-fem",
-        "Yastrebov",
-        "Seeds: 77",
-        "numpy 2",
-        "fem-contact 1",
-    ):
+    for words in ("Persson, Surf. Sci. Rep.", "scikit-fem", "Seeds: 77", "numpy 2", "fem-contact 1"):
         assert words in page, words
     first = [page.index(words) for words in ("How large", "How sure", "How far from", "What did it cost")]
     assert first == sorted(first)

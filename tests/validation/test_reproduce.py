@@ -55,10 +55,8 @@ def test_a_rim_seals_above_all_thresholds_and_leaks_below_all(monkeypatch, area,
     assert rim._seals().endswith(f"one {area:.4f}: {words}")
 
 
-def verdicts(rows):
-    return {
-        row["claim"]: ": ".join(filter(None, (row["paper_verdict"], row["paper_reason"]))) for row in rows
-    }
+def words(row):
+    return [*filter(None, (row["paper_verdict"], row["paper_reason"]))]
 
 
 def result_of(rows, folder, figures=()):
@@ -90,7 +88,7 @@ def test_all_claims_of_a_system_are_judged_under_one_convention():
     assert [row["computed"] for row in rows] == [2.0, 4.0, 2.0, 7.0, 8.0]
     assert [row["literal"] for row in rows] == [1.0, 2.0, 1.0, 7.0, 8.0]
     assert [row["paper_convention"] for row in rows] == ["two", "two", "two", "as stated", "as stated"]
-    found = verdicts(rows)
+    found = {row["claim"]: ": ".join(words(row)) for row in rows}
     assert found["toy: a [nm]"] == "reproduced under the joint convention"
     assert found["toy: c"].startswith("not reproduced")
     assert found["toy: d"] == "reproduced"
@@ -120,11 +118,7 @@ def test_what_is_written_and_not_computed_is_refused():
 
 
 def told(application):
-    """Number and verdict of each claim under the best convention."""
-    return {
-        row["claim"]: [row["computed"], *filter(None, (row["paper_verdict"], row["paper_reason"]))]
-        for row in judge(of_best(application))
-    }
+    return {row["claim"]: [row["computed"], *words(row)] for row in judge(of_best(application))}
 
 
 @pytest.mark.parametrize("application", reproduce.APPLICATIONS, ids=lambda application: application.name)
@@ -137,17 +131,21 @@ def test_every_claim_has_its_number_and_its_verdict(application):
 
 def shown(figure):
     """Number of points, mean and largest value of each quantity of each curve."""
-    return {
-        f"{figure.name}, {label}": [
-            word
-            for name, v in curve.items()
-            for word in (name, len(v), float(np.nanmean(v)), float(np.nanmax(v)))
-        ]
-        for label, curve in figure.curves().items()
-    }
+
+    def numbers(name, values):
+        return name, len(values), float(np.nanmean(values)), float(np.nanmax(values))
+
+    curves = {f"{figure.name}, {label}": curve for label, curve in figure.curves().items()}
+    return {label: [word for pair in one.items() for word in numbers(*pair)] for label, one in curves.items()}
 
 
-@pytest.mark.parametrize("figure", FIGURES, ids=lambda figure: figure.name)
+#: Those of PMMA take seconds and are made as those of the rim, of a spectrum that the claims have too.
+SLOW = {"pmma_pressure": pytest.mark.slow}
+
+
+@pytest.mark.parametrize(
+    "figure", [pytest.param(one, id=one.name, marks=SLOW.get(one.name, ())) for one in FIGURES]
+)
 def test_every_curve_has_its_numbers(figure):
     known = json.loads(NUMBERS.read_text(encoding="utf-8"))
     for curve, numbers in shown(figure).items():
@@ -180,9 +178,8 @@ def test_everything_is_recomputed_written_and_shown(tmp_path):
     page, files = outputs.page, outputs.files
     data = read_results(folder).data
     assert [problem for drawing in page.figures for problem in misdrawn(drawing, data)] == []
-    assert (
-        data.sizes["claim"] == sum(len(a.claims) for a in reproduce.APPLICATIONS) == len(told) - len(FIGURES)
-    )
+    claims = sum(len(system.claims) for system in reproduce.APPLICATIONS)
+    assert data.sizes["claim"] == claims == len(told) - len(FIGURES)
     counts = [float(data[f"claims_{kind}"]) for kind in ("literal", "joint", "chosen", "missed")]
     assert sum(counts) == data.claims_judged
     with (folder / "table.csv").open(encoding="utf-8") as file:
@@ -229,9 +226,7 @@ QUICK = [figure for figure in FIGURES if not re.search("rim|pmma|pyrex_rough", f
 
 def test_figures_show_the_curves_that_their_labels_name(tmp_path):
     result = result_of(judge(TOY), tmp_path, [figure.compute() for figure in QUICK])
-    drawings = {
-        drawing.name.replace("-", "_"): drawing for drawing in paper_page(result, figures=True).figures
-    }
+    drawings = {one.name.replace("-", "_"): one for one in paper_page(result, figures=True).figures}
     assert set(drawings) == {figure.name for figure in QUICK}
     assert [problem for one in drawings.values() for problem in misdrawn(one, result.data)] == []
     for figure in QUICK:

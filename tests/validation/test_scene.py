@@ -28,14 +28,11 @@ from validation.scenes.scene import Scene, builtin_scenes, load_scene, usual_gri
 from validation.scenes.sweep import load_asked
 from validation.solvers import find_method
 
+LOAD = "reduced_pressure = 0.1"
 WRONG = [
     # what is replaced, by what, words of the message
     ("[load]", '[quantities.subsurface]\ndepths = "1 um"\n[load]', "depths = '1 um'", "a list in brackets"),
-    (
-        "[load]",
-        '[quantities.electrical]\nresistivity = "3 V"\n[load]',
-        "quantities.electrical.resistivity = '3 V': is not a resistivity",
-    ),
+    ("[load]", '[quantities.electrical]\nresistivity = "3 V"\n[load]', "= '3 V': is not a resistivity"),
     ("[load]", "[quantities.subsurface]\ndepths = []\n[load]", "depths = []", "at least 2 values"),
     ("hurst = 0.7", "", "surface.hurst: missing", "[0, 1]"),
     ("[load]", '[[effects]]\nkind = "thickness"\n[load]', "[[effects]] 1 thickness: missing", "of the layer"),
@@ -48,52 +45,21 @@ WRONG = [
     ("hurst = 0.7", 'hurst = "0.7"', "surface.hurst = '0.7'", "number"),
     ('young = "2 MPa"', 'young = "2 kg"', "solid.young = '2 kg'", "is not a pressure"),
     ('young = "2 MPa"', 'young = "2 MPaa"', "solid.young = '2 MPaa'", "unknown unit"),
-    (
-        'young = "2 MPa"',
-        'young = "2"',
-        "solid.young = '2'",
-        "has no unit",
-        "or a number in Pa without quotes",
-    ),
+    ('young = "2 MPa"', 'young = "2"', "solid.young = '2'", "has no unit", "or a number in Pa without quo"),
     ('young = "2 MPa"', 'young = "-2 MPa"', "solid.young = '-2 MPa'", "greater than 0"),
     ("poisson = 0.3", "poisson = 0.62", "solid.poisson = 0.62", "less than or equal to 0.5"),
-    (
-        "reduced_pressure = 0.1",
-        "reduced_pressure = -0.1",
-        "load.reduced_pressure = -0.1",
-        "greater than or equal to 0",
-    ),
-    (
-        "reduced_pressure = 0.1",
-        'pressure = "-3 MPa"',
-        "load.pressure = '-3 MPa'",
-        "greater than or equal to 0",
-    ),
-    (
-        "reduced_pressure = 0.1",
-        "",
-        "load: give exactly one of 'pressure', 'reduced_pressure', 'force', 'mean_gap' and",
-        "found none",
-    ),
+    (LOAD, "reduced_pressure = -0.1", "load.reduced_pressure = -0.1", "greater than or equal to 0"),
+    (LOAD, 'pressure = "-3 MPa"', "load.pressure = '-3 MPa'", "greater than or equal to 0"),
+    (LOAD, "", "load: give exactly one of 'pressure', 'reduced_pressure', 'force', 'mean_", "found none"),
     ('lambda_short = "2.5 um"', 'lambda_short = "6 um"', "lambda_short = 6 um", "must be below"),
     ('lambda_long = "5 um"', "lambda_long = 11.1234567e-6", "lambda_long = 11.1235 um", "must not exceed"),
     (GRIDS, "grids = [8, 24]", "methods.bem.grids = [8, 8]", "at least [9, 5]", "under_resolved"),
     (GRIDS, "grids = []", "methods.bem.grids", "at least 1"),
     (GRIDS, "grids = [12.5]", "methods.bem.grids (item 1) = 12.5", "whole number"),
     (GRIDS, "grids = 48", "methods.bem.grids = 48", "must be a list of grids such as [48]"),
-    (
-        'length = ["10 um", "5 um"]',
-        "length = 100",
-        "methods.bem.grids = [12, 8]: too coarse",
-        "100 was read as 100 m",
-    ),
+    ('length = ["10 um", "5 um"]', "length = 100", "methods.bem.grids = [12, 8]: too", "read as 100 m"),
     ("[load]", "[laod]", "unknown key 'laod'", "did you mean 'load'?"),
-    (
-        "[solid]",
-        '[[effects]]\nkind = "magnetism"\n\n[solid]',
-        "[[effects]] 1 kind = 'magnetism'",
-        "'hardness'",
-    ),
+    ("[solid]", '[[effects]]\nkind = "magnetism"\n[solid]', "[[effects]] 1 kind = 'magnetism'", "'hardness'"),
     ('kind = "self-affine"', "", "surface.kind: missing", "self-affine"),
     ('name = "small"', 'name = "../up"', "name = '../up'"),
     (
@@ -112,13 +78,6 @@ def test_a_wrong_scene_gives_one_line_naming_key_value_and_what_is_allowed(write
         load_scene(str(path))
     for word in words:
         assert word in str(caught.value)
-
-
-def test_every_problem_has_its_own_line(write_scene):
-    path = write_scene(("hurst = 0.7", "hurst = 3"), ("poisson = 0.3", "poisson = 0.6"))
-    with pytest.raises(SceneError) as caught:
-        load_scene(str(path))
-    assert len(caught.value.problems) == 2
 
 
 @pytest.mark.parametrize(("key", "info"), scene_keys({}).items(), ids=scene_keys({}))
@@ -159,9 +118,8 @@ def test_a_grid_of_finite_elements_that_carries_no_wave_is_told_so(write_scene):
     problem, coarse = realise(scene), scene.methods.fem.model_copy(update={"grids": ((2, 2), (24, 16))})
     told = dict(find_method("fem").facts(coarse, problem))
     cells = problem.longest / max(problem.spacing((2, 2)))
-    assert told["finite elements, 2 x 2"] == (
-        f"carry no wave of this surface, whose longest is {cells:.3g} cells long"
-    )
+    words = f"carry no wave of this surface, whose longest is {cells:.3g} cells long"
+    assert told["finite elements, 2 x 2"] == words
     assert not told["finite elements, 24 x 16"].startswith("carry no wave")
 
 
@@ -170,17 +128,9 @@ def test_a_method_is_given_the_grids_that_it_can_afford_or_asks_for_some(write_s
     scene = load_asked(path, [fem, "lambda_short='0.2 um'", "methods.bem.grids=[400]"])
     assert scene.methods.fem.grids == ((200, 100), (400, 200))
     words = dict(explain(scene).facts)["grids of fem"]
-    assert words.startswith(
-        "800 x 400 would take more than 2 GiB or ten minutes; list it in methods.fem.grids"
-    )
+    assert words.startswith("800 x 400 would take more than 2 GiB or ten minutes; list it in methods.fem")
     with pytest.raises(SceneError, match=r"methods\.fem\.grids: missing; 4 points .* are 4000 x 2000, more"):
         load_asked(path, [fem, "lambda_short='0.01 um'", "methods.bem.grids=[4000]"])
-
-
-def test_units_are_converted_exactly(read_scene):
-    scene = read_scene(('length = ["10 um", "5 um"]', 'length = ["10 um", 0.000005]'))
-    assert scene.surface.length == (1e-5, 5e-6)
-    assert scene.solid.young == 2e6
 
 
 def test_what_was_written_with_a_unit_is_printed_in_it_and_computed_in_si(read_scene, tmp_path):
@@ -205,11 +155,6 @@ def test_a_quantity_is_the_correctly_rounded_number_in_si(exponent, digits):
 
     found = SolidSpec.model_validate({"young": f"{digits}e{exponent} kPa", "poisson": 0.2}).young
     assert found == float(f"{digits}e{exponent + 3}")
-
-
-def test_an_under_resolved_grid_runs_only_when_the_scene_says_so(write_scene):
-    path = write_scene((GRIDS, "grids = [8, 24]\nunder_resolved = true"))
-    assert load_scene(str(path)).methods.bem.grids[0] == (8, 8)
 
 
 @pytest.mark.parametrize("name", builtin_scenes())
@@ -251,9 +196,7 @@ def test_units_that_are_read_without_the_registry_are_those_of_the_registry(unit
         assert factor == units._converted(Fraction(1), symbol, unit), symbol
 
 
-@pytest.mark.parametrize(
-    ("sides", "square"), [(("10 um", "5 um"), "[24, 12]"), (("5 um", "10 um"), "[12, 24]")]
-)
+@pytest.mark.parametrize(("sides", "square"), [(("10 um", "5 um"), "[24, 12]"), ((5e-6, 1e-5), "[12, 24]")])
 def test_a_grid_of_oblong_cells_is_said_before_it_is_pressed(sides, square, tmp_path):
     scene, notes = scene_in(tmp_path, square_scene(length=json.dumps(sides), grids=f"[24, {square}]")), []
     ((_, words),) = [fact for fact in explain(scene).facts if fact[0] == "grids of bem"]

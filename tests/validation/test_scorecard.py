@@ -56,19 +56,14 @@ def test_a_wrong_solver_beside_a_right_one_is_named_in_every_sentence(right, wro
     verdicts = [replace(verdict, solver="soft") for verdict in wrong.verdicts]
     views = claims_views(claims_dataset([*right.verdicts, *verdicts], [right, wrong]))
     assert views.cards[0].answer.text.startswith(f"no: {len(wrong.failed)} of ")
-    assert (views.cards[1].question, views.cards[1].answer.text) == (
-        "What is wrong with soft?",
-        wrong.diagnosis,
-    )
+    assert views.cards[1].question == "What is wrong with soft?"
+    assert views.cards[1].answer.text == wrong.diagnosis
     assert views.cards[2].basis.text.startswith("toy, one rough surface")
     assert all(one.text.startswith("soft: ") for one in views.findings[:-1])
-    alike = claims_views(
-        claims_dataset([*right.verdicts, *(replace(v, solver="b") for v in right.verdicts)], [right] * 2)
-    )
-    assert [one.text.partition(":")[0] for one in alike.findings] == [
-        "Every claim holds",
-        "Nearest to its tolerance",
-    ]
+    other = [replace(verdict, solver="b") for verdict in right.verdicts]
+    alike = claims_views(claims_dataset([*right.verdicts, *other], [right] * 2))
+    sentences = ["Every claim holds", "Nearest to its tolerance"]
+    assert [one.text.partition(":")[0] for one in alike.findings] == sentences
     assert f"{2 * len(right.counted)} of them" in alike.findings[0].text
 
 
@@ -132,12 +127,8 @@ def test_boundary_elements_are_scored_in_less_than_two_minutes_of_processor_time
 
 def test_a_failing_solver_of_ones_own_exits_with_one_and_is_named(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    code = """
-        import numpy as np
-        def solve(heights, lengths, *, contact_modulus, mean_pressure):
-            return np.full(heights.shape, mean_pressure)
-    """
-    Path("flat_toy.py").write_text("\n".join(line[8:] for line in code.splitlines()), encoding="utf-8")
+    head = "import numpy as np\ndef solve(heights, lengths, *, contact_modulus, mean_pressure):\n"
+    Path("flat_toy.py").write_text(f"{head}    return np.full(heights.shape, mean_pressure)\n")
     outcome = invoke("validate --method flat_toy:solve --quick --output card")
     assert outcome.exit_code == 1
     card = read_results(tmp_path / "card").data.isel(solver=0).verdict.to_series()
@@ -151,9 +142,8 @@ def test_a_solver_that_crashes_fails_its_rows_and_the_others_go_on(tmp_path, mon
     code = "import os\ndef solve(heights, lengths, *, contact_modulus, mean_pressure):\n    os.abort()\n"
     Path("dying_toy.py").write_text(code, encoding="utf-8")
     solver, settings = chosen_solver("dying_toy:solve")
-    verdicts = rows_of(
-        Subject(name="dying", solver=solver, settings=settings), {"tension", "hertz", "offset", "odd-axes"}
-    )
+    subject = Subject(name="dying", solver=solver, settings=settings)
+    verdicts = rows_of(subject, {"tension", "hertz", "offset", "odd-axes"})
     assert "cannot be told" in verdicts.pop("offset").left_out
     assert all("crashed its process" in str(verdict.error) for verdict in verdicts.values())
 
@@ -179,16 +169,11 @@ def rows_of(subject, names):
     return {one.case: one for one in run_cases([row for row in rows(subject) if row.name in names])}
 
 
-@pytest.mark.parametrize(
-    ("ignored", "fails"),
-    [
-        ("", set()),
-        ("layer", {"layer"}),
-        ("hardness", {"yielding-wave"}),
-        ("offset", {"offset", "offset-near-full"}),
-        ("end", {"cut-short"}),
-    ],
-)
+#: Rows that fail, by what is not heard.
+UNHEARD = {"": set(), "layer": {"layer"}, "hardness": {"yielding-wave"}, "end": {"cut-short"}}
+
+
+@pytest.mark.parametrize(("ignored", "fails"), {**UNHEARD, "offset": {"offset", "offset-near-full"}}.items())
 def test_what_a_solver_is_told_beside_the_load_must_be_heard(ignored, fails):
     solver = Deaf()
     solver.ignored = ignored

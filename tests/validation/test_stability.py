@@ -73,16 +73,8 @@ def test_every_method_has_a_hard_case_and_each_says_what_is_right_beforehand():
 
 
 def fake(measure, *, refusable=()):
-    return HardCase(
-        name="fake",
-        method="bem",
-        varied="nothing",
-        values=(1.0,),
-        reference="nothing",
-        bound=0.1,
-        measure=measure,
-        refusable=refusable,
-    )
+    told = {"name": "fake", "method": "bem", "varied": "nothing", "reference": "nothing"}
+    return HardCase(**told, values=(1.0,), bound=0.1, measure=measure, refusable=refusable)
 
 
 def refusing(value):

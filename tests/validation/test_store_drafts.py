@@ -55,10 +55,8 @@ def _race(folder, first):
 
 @pytest.mark.parametrize("races", [1, pytest.param(20, marks=pytest.mark.slow)])
 def test_two_processes_on_one_store_do_not_harm_each_other(tmp_path, races):
-    code = (
-        "import sys; sys.path.insert(0, 'tests/validation'); import test_store_drafts\n"
-        "test_store_drafts._race(sys.argv[1], sys.argv[2] == '0')"
-    )
+    code = "import sys; sys.path.insert(0, 'tests/validation'); from test_store_drafts import _race\n"
+    code += "_race(sys.argv[1], sys.argv[2] == '0')"
     for race in range(races):
         folder = tmp_path / str(race)
         command = [sys.executable, "-c", code, str(folder)]

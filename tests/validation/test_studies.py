@@ -1,11 +1,11 @@
 """The studies: their measurements are right, their sentences are computed, their options are checked."""
 
+import re
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
-from numpy.testing import assert_allclose
 
 from validation.errors import UsageError
 from validation.execution.results import Result
@@ -26,24 +26,13 @@ def pressed(*, seed=61, solid=SOLID):
 
 
 def measurement(**changes):
-    settings = {
-        "problem": pressed(),
-        "reduced_pressures": (0.05, 0.2),
-        "grids": ((16, 16), (24, 24), (32, 32)),
-        "shifts": 2,
-    }
-    return press_on_grids(**{**settings, **changes})
+    settings = {"problem": pressed(), "reduced_pressures": (0.05, 0.2), "shifts": 2}
+    return press_on_grids(**{**settings, "grids": ((16, 16), (24, 24), (32, 32)), **changes})
 
 
 @pytest.fixture(scope="module")
 def measured():
     return measurement().do()
-
-
-def test_numbers_do_not_depend_on_the_modulus(measured):
-    other = measurement(problem=pressed(solid=SolidSpec(young=7e10, poisson=0.4))).do()
-    assert_allclose(other.pixel.values, measured.pixel.values, rtol=1e-12)
-    assert_allclose(other.mean_gap.values, measured.mean_gap.values, rtol=1e-6)
 
 
 def test_the_inverted_surface_has_the_same_gradient_and_another_area(measured):
@@ -52,15 +41,6 @@ def test_the_inverted_surface_has_the_same_gradient_and_another_area(measured):
     found = inverted.do()
     assert found.attrs["rms_gradient"] == measured.attrs["rms_gradient"]
     assert not np.allclose(found.pixel.values, measured.pixel.values)
-
-
-def test_a_recipe_holds_everything_and_nothing_else():
-    base = measurement()
-    assert base.key == measurement().key
-    assert len({base.key, measurement(shifts=1).key, measurement(problem=pressed().further(1)).key}) == 3
-    # Realisation 1 of seed 61 is realisation 0 of seed 62.
-    moved = measurement(problem=pressed(seed=62))
-    assert moved.key == measurement(problem=pressed().further(1)).key
 
 
 def test_grids_have_the_points_that_are_asked_for():
@@ -85,19 +65,13 @@ def test_every_default_of_a_study_is_one_that_could_be_given():
 
 #: Options, and the words with which they are refused.
 REFUSED = [
-    (
-        "adhesion --bandwidth 4 --magnifications 5",
-        "magnifications = 5: must lie above 1, at most bandwidth = 4",
-    ),
+    ("adhesion --bandwidth 4 --magnifications 5", "= 5: must lie above 1, at most bandwidth = 4"),
     ("adhesion --grids 96,64", "grids = 96, 64: must rise"),
     ("adhesion --works nan", "--works = 'nan': must be a finite number"),
     ("archard --grids 256,512", "take 512 points or more"),
     ("archard --waves 16", "one for each of --waves"),
     ("graded --ratios 2,1", "ratios = 2, 1: must not be 1"),
-    (
-        "hardness --bandwidth 4 --magnifications 5",
-        "magnifications = 5: must lie above 1, at most bandwidth = 4",
-    ),
+    ("hardness --bandwidth 4 --magnifications 5", "= 5: must lie above 1, at most bandwidth = 4"),
     ("hardness --grids ,", "at least 1 value"),
     ("hardness --grids 64", "grids = 64: at least two"),
     ("hardness --grids 64,64", "grids = 64, 64: at least two"),
@@ -106,10 +80,7 @@ REFUSED = [
     ("hurst --pairs 2147483648", "10000"),
     ("refinement --bandwidth 0.5", "--bandwidth = '0.5'"),
     ("refinement --elements Hex3", "--elements = "),
-    (
-        "refinement --fem-points-per-wave 4,8",
-        "fem_points_per_wave = 4, 8: the limit of the finite elements needs",
-    ),
+    ("refinement --fem-points-per-wave 4,8", "fem_points_per_wave = 4, 8: the limit of the finite elements"),
     ("refinement --hurst 1.4", "--hurst = '1.4'"),
     ("refinement --points-per-wave 8,4", "--points-per-wave = 8,4: must be positive and rising"),
     ("refinement --points-per-wave 2,4", "needs three solves on two grids of at least 3 points per wave"),
@@ -143,10 +114,8 @@ REFUSED = [
 def test_what_did_not_reach_its_residuals_is_counted_by_the_study_of_two_solvers(numbers):
     data = numbers("cross")
     missed = data.converged_each.where(data.converged_each.isnull(), 0.0)
-    known, found = (
-        [one.text for one in cross.views(told).findings if one.kind == "refusal"]
-        for told in (data, data.assign(converged_each=missed))
-    )
+    both = cross.views(data).findings, cross.views(data.assign(converged_each=missed)).findings
+    known, found = ([one.text for one in findings if one.kind == "refusal"] for findings in both)
     count = int(missed.notnull().sum())
     assert known == []
     assert found[0].startswith(f"{count} of {count} answers do not have the residuals asked for, the worst ")
@@ -163,9 +132,8 @@ def test_a_study_tells_on_its_page_what_failed(numbers, failures, told):
 @pytest.mark.parametrize(("asked", "words"), REFUSED)
 def test_options_of_a_study_are_refused_by_name_before_anything_runs(asked, words):
     name, *options = asked.split()
-    with pytest.raises(UsageError) as caught:
+    with pytest.raises(UsageError, match=re.escape(words)):
         find_study(name).parse(options)
-    assert words in str(caught.value)
 
 
 @pytest.mark.parametrize(
@@ -187,17 +155,9 @@ def test_a_study_that_cannot_honour_a_scene_refuses_it_by_name_and_says_why(name
 
 
 def test_each_solve_of_a_study_shares_one_surface_with_the_others_on_it(bench, monkeypatch):
-    """Fields of a surface are drawn once for all its grids, methods and protocols."""
     drawn = []
     waves = surfaces.waves_of
     monkeypatch.setattr(surfaces, "waves_of", lambda *said: drawn.append(said) or waves(*said))
-    options = cross.Options(
-        surfaces=2,
-        periods=1.0,
-        bandwidth=2.0,
-        full_points_per_wave=(4.0,),
-        reduced_points_per_wave=(4.0, 5.0),
-        seed=77,
-    )
-    cross.run(options, bench=bench)
+    grids = {"full_points_per_wave": (4.0,), "reduced_points_per_wave": (4.0, 5.0)}
+    cross.run(cross.Options(surfaces=2, periods=1.0, bandwidth=2.0, seed=77, **grids), bench=bench)
     assert len(drawn) == 2

@@ -56,13 +56,12 @@ BOTH = Solid(young=1 / ((1 - 0.3**2) / 2e6 + (1 - 0.45**2) / 5e6), poisson=0.0)
 @pytest.fixture
 def scene(tmp_path):
     """Return a scene from its text; a measured map of 48 x 36 points lies beside it."""
-    rough = random_surface(
-        lambda q: q**-3.6, q_short=2 * np.pi / 1e-6, lengths=LENGTHS, shape=(48, 36), seed=5
-    )
+    waves = {"q_short": 2 * np.pi / 1e-6, "lengths": LENGTHS, "seed": 5}
+    rough = random_surface(lambda q: q**-3.6, shape=(48, 36), **waves)
     np.save(tmp_path / "map.npy", rough.heights * (0.08 / rough.rms_gradient))
 
     def read(text, name="mine"):
-        return scene_in(tmp_path, text, name=f"{name}")
+        return scene_in(tmp_path, text, name=name)
 
     return read
 
@@ -78,16 +77,13 @@ def test_a_measured_map_is_what_the_study_of_the_load_presses(scene, bench, tmp_
     reduced = 8e6 / (SOLID.contact_modulus * surface.rms_gradient)
     # The load of the scene joins the path.
     assert data.reduced_pressure.values == pytest.approx([0.02, reduced], rel=1e-12)
-    pressed = [
-        bem.solve(surface.resampled(grid), HalfSpace(solid=SOLID), mean_pressure=8e6).checked()
-        for grid in GRIDS
-    ]
+    body, fields = HalfSpace(solid=SOLID), [surface.resampled(grid) for grid in GRIDS]
+    pressed = [bem.solve(field, body, mean_pressure=8e6).checked() for field in fields]
     limit = located_limit([contact_areas(one, subcell=True) for one in pressed])
     # The solver leaves 1e-8 of p |g|, and the study starts from the lighter load.
     assert float(data.area_each[0, 1]) == pytest.approx(limit.value, rel=1e-6)
-    assert float(data.gap_finest_each[0, 1]) == pytest.approx(
-        pressed[-1].gap.mean() / surface.rms_height, rel=1e-6
-    )
+    gap = pressed[-1].gap.mean() / surface.rms_height
+    assert float(data.gap_finest_each[0, 1]) == pytest.approx(gap, rel=1e-6)
     assert data.sizes["surface"] == 1
     # A measured period has no C(q) but its own: told it alone, the theory says nothing.
     assert np.isnan(data.area_spectral).all()
@@ -110,13 +106,9 @@ def test_a_scene_that_yields_is_pressed_with_its_hardness_and_shares_solves_with
     data = area.run(options, bench=bench)
     field = realise(mine).heights((48, 32))
     load = 0.1 * realise(mine).pressure_scale
-    response = HalfSpace(solid=BOTH)
-    yielded = [
-        press_yielding(
-            realise(mine).heights(grid), response, hardness=Hardness(pressure=3e4), mean_pressure=load
-        )
-        for grid in ((24, 16), (36, 24), (48, 32))
-    ]
+    response, fields = HalfSpace(solid=BOTH), map(realise(mine).heights, ((24, 16), (36, 24), (48, 32)))
+    hard = {"hardness": Hardness(pressure=3e4), "mean_pressure": load}
+    yielded = [press_yielding(one, response, **hard) for one in fields]
     limit = perimeter_limit([contact_areas(one) for one in yielded])
     assert float(data.area.sel(reduced_pressure=0.1)) == pytest.approx(limit.value, rel=1e-6)
     elastic = contact_areas(bem.solve(field, response, mean_pressure=load)).pixel
@@ -142,9 +134,8 @@ def test_the_study_of_the_grid_takes_effects_grids_and_tolerance_from_a_scene(sc
 
 
 def test_a_measured_map_without_its_short_waves_is_a_lower_magnification(scene, tmp_path):
-    (case,) = magnification.design(
-        magnification.Options(scene=scene(MAP), magnifications=(3.0,), shifts=1)
-    ).values()
+    options = magnification.Options(scene=scene(MAP), magnifications=(3.0,), shifts=1)
+    (case,) = magnification.design(options).values()
     partial = truncated_heights(case["problem"], GRIDS[0], truncation=case["truncation"])
     waves = np.abs(np.fft.fft2(partial.heights))
     nx, ny = GRIDS[0]
@@ -186,9 +177,8 @@ def test_help_names_the_options_that_are_refused_with_a_scene(scene, name):
             refusal = ""
         except ValidationError as error:
             refusal = str(error)
-        clash = (
-            rf"--{option.replace('_', '-')}: (the scene 'mine' says it|is of a part with surfaces of its own)"
-        )
+        flag = option.replace("_", "-")
+        clash = rf"--{flag}: (the scene 'mine' says it|is of a part with surfaces of its own)"
         reason = options.fixed_by_scene().get(option, "")
         assert bool(re.search(clash, refusal)) == bool(reason), option
         assert f"        {field.description}{reason}" in options.help_lines()
@@ -197,29 +187,19 @@ def test_help_names_the_options_that_are_refused_with_a_scene(scene, name):
 @pytest.mark.parametrize(
     ("study", "text", "words"),
     [
-        (
-            "pressure",
-            YIELDING,
-            "scene 'mine': [[effects]] 1 kind = 'hardness': not in this study: gap, stiffness",
-        ),
+        ("pressure", YIELDING, "'mine': [[effects]] 1 kind = 'hardness': not in this study: gap, stiff"),
         ("accuracy-cost", YIELDING, "kind = 'hardness': not in this study: what a digit costs"),
         ("magnification", MAP.replace("[methods.bem]", "[methods.fem]"), "methods.bem: missing"),
         ("cross", MAP, "must name another solver beside bem"),
         ("area", MAP.replace("[[96, 72], [120, 90], [144, 108]]", "[[96, 72]]"), "a limit needs two grids"),
         ("pressure", MAP.replace("[[96, 72], [120, 90], [144, 108]]", "[[96, 72]]"), "two grids of at least"),
-        (
-            "area",
-            YIELDING.replace("reduced_pressure = 0.1", "pressure = 4e4"),
-            "hardness = 30 kPa: must not be below the nominal pressure",
-        ),
+        ("area", YIELDING.replace("reduced_pressure = 0.1", "pressure = 4e4"), "30 kPa: must not be below"),
     ],
 )
 def test_a_scene_that_a_study_cannot_honour_is_refused_by_name(scene, bench, study, text, words):
-    found = find_study(study)
-    with pytest.raises(UsageError) as caught:
-        found.compute(found.parse([], scene=scene(text)), bench=dataclasses.replace(bench, plan_only=True))
-    assert words in str(caught.value)
-    assert "Traceback" not in str(caught.value)
+    found, planning = find_study(study), dataclasses.replace(bench, plan_only=True)
+    with pytest.raises(UsageError, match=re.escape(words)):
+        found.compute(found.parse([], scene=scene(text)), bench=planning)
 
 
 def test_the_report_says_what_was_taken_from_the_scene_and_what_was_not(scene, bench, tmp_path):
@@ -241,13 +221,9 @@ def test_finite_elements_of_a_scene_stand_beside_boundary_elements_with_its_effe
     data = cross.run(cross.Options(scene=mine, surfaces=1), bench=bench)
     assert data.leg.values.tolist() == ["fem"]
     own = {solve.method: solve for solve in solves_of(mine) if solve.grid == (12, 8)}
-    found = own["fem"].do().contact
-    ours = press_yielding(
-        own["fem"].height_field(),
-        HalfSpace(solid=BOTH),
-        hardness=Hardness(pressure=3e4),
-        mean_pressure=own["fem"].problem.pressure,
-    )
+    found, load = own["fem"].do().contact, own["fem"].problem.pressure
+    field, body = own["fem"].height_field(), HalfSpace(solid=BOTH)
+    ours = press_yielding(field, body, hardness=Hardness(pressure=3e4), mean_pressure=load)
     apart = np.linalg.norm(found.pressure - ours.pressure) / np.linalg.norm(ours.pressure)
     assert float(data.pressure_difference.squeeze()) == pytest.approx(apart, rel=1e-6)
 
@@ -263,15 +239,11 @@ def test_the_verdict_on_the_theory_over_one_measured_map_claims_no_scatter(scene
 def test_every_surface_bears_the_load_that_the_row_says(scene, bench):
     """Their gradients differ: the pressure of the scene is that p* for the first alone."""
     text = small_scene("[methods.theory]\n", load='pressure = "10 kPa"')
-    options = area.Options(
-        scene=scene(text.replace("seed = 77", 'seed = 77\namplitudes = "gaussian"')),
-        reduced_pressures=(0.05,),
-        surfaces=2,
-    )
+    asked = scene(text.replace("seed = 77", 'seed = 77\namplitudes = "gaussian"'))
+    options = area.Options(scene=asked, reduced_pressures=(0.05,), surfaces=2)
     (own,) = set(options.reduced_pressures) - {0.05}
-    first, second = (
-        options.press(surface=k, reduced_pressure=own, grid=(48, 48)).do(threads=1).contact for k in (0, 1)
-    )
+    solves = [options.press(surface=k, reduced_pressure=own, grid=(48, 48)) for k in (0, 1)]
+    first, second = (solve.do(threads=1).contact for solve in solves)
     assert first.mean_pressure == pytest.approx(1e4, rel=1e-12)
     assert second.mean_pressure != pytest.approx(1e4, rel=1e-3)
     for problem, contact in zip(options.pressed, (first, second), strict=True):

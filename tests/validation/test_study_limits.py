@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 import xarray as xr
 from numpy.testing import assert_allclose, assert_array_equal
-from planted import edge_data
 
 from fem_contact import HalfSpace, HeightField, Solid, bem, contact_areas
 from persson import contact_area, stress_variance
@@ -21,7 +20,6 @@ from validation.measurements.statistics import distance_to_reference
 from validation.measurements.theory import ensemble_area, modes_finding
 from validation.scenes.surfaces import spectrum_of
 from validation.scenes.tables import SolidSpec
-from validation.studies import depth
 
 SOLID = SolidSpec(young=3e8, poisson=0.25)
 SMALL = {"periods": 1.6, "bandwidth": 2.5}
@@ -32,19 +30,16 @@ def measured():
     surface = base_surface(hurst=0.6, seed=61, **SMALL)
     grids = ((16, 16), (24, 24), (32, 32))
     case = base_case(surface, reduced_pressure=0.05, solid=SOLID)
-    return press_on_grids(
-        problem=case, reduced_pressures=(0.05, 0.2), grids=grids, shifts=2, keep=("distributions",)
-    ).do()
+    asked = {"reduced_pressures": (0.05, 0.2), "shifts": 2, "keep": ("distributions",)}
+    return press_on_grids(problem=case, grids=grids, **asked).do()
 
 
 def test_the_interval_of_independent_rungs_covers_the_limit():
     rng, steps = np.random.default_rng(6), (0.5, 0.25, 0.125)
     hits = 0
     for _ in range(300):
-        rungs = [
-            rng.normal(2.0 + 0.8 * s**2, 0.05 * np.sqrt(n), size=n)
-            for s, n in zip(steps, (64, 16, 4), strict=True)
-        ]
+        pairs = zip(steps, (64, 16, 4), strict=True)
+        rungs = [rng.normal(2.0 + 0.8 * s**2, 0.05 * np.sqrt(n), size=n) for s, n in pairs]
         found = fitted_line(rungs, np.square(steps))
         hits += abs(found.limit - 2.0) <= np.hypot(found.limit_scatter, found.limit_drift)
     # 95 % of 300, with the standard deviation of a count, 3.8; the drift only widens the interval.
@@ -57,9 +52,8 @@ def test_a_limit_far_beyond_the_rungs_is_not_determinable():
     pair = np.broadcast_to([2.0, 2.1], (3, 4, 2))
     data = xr.Dataset({"kappa_each": (("ladder", "rung", "surface"), pair)})
     data["step"] = xr.DataArray(steps, dims="rung") ** orders
-    found = line(
-        data, "kappa", x="step", along="rung", over="surface", common=True, pairs=False, drift="bandwidth"
-    )
+    told = {"along": "rung", "over": "surface", "common": True, "pairs": False}
+    found = line(data, "kappa", x="step", drift="bandwidth", **told)
     assert np.isfinite(found.kappa_limit).values.tolist() == [True, False, False]
     assert np.isfinite(found.kappa_line).all("end").values.tolist() == [True, False, False]
 
@@ -90,31 +84,12 @@ def test_conditioning_hides_a_wrong_generator_and_the_ensemble_shows_it():
     loads, right = np.array([0.01, 0.1]), float(spectrum_of(surface).moments().rms_gradient)
     conditional = contact_area(loads, stress_variance=stress_variance(1.0, contact_modulus=1.0))
     # Rounding apart, a generator that meets C(q) makes no difference.
-    assert_allclose(
-        ensemble_area(spectrum_of(surface), loads, rms_gradients=[right] * 3)[1], conditional, rtol=1e-12
-    )
+    same = ensemble_area(spectrum_of(surface), loads, rms_gradients=[right] * 3)[1]
+    assert_allclose(same, conditional, rtol=1e-12)
     wrong = ensemble_area(spectrum_of(surface), loads, rms_gradients=[1.1 * right] * 3)[0]
     assert wrong[0] / conditional[0] == pytest.approx(1.1, rel=1e-3)
     both = xr.Dataset({"area_persson": ("load", conditional[:1]), "area_ensemble": ("load", wrong[:1])})
     assert modes_finding(both).values["high"].value == pytest.approx(0.1, rel=1e-3)
-
-
-def test_scatter_of_the_realised_gradient_is_averaged_over():
-    surface = base_surface(hurst=0.6, seed=61, **SMALL)
-    gradient = float(spectrum_of(surface).moments().rms_gradient)
-    scattered = gradient * np.sqrt([0.5, 1.5])
-    found = ensemble_area(spectrum_of(surface), [0.02], rms_gradients=scattered)
-    # At light load the area goes with V^(-1/2): its mean exceeds that of the mean V.
-    pressure = 0.02 * scattered
-    by_hand = [
-        np.mean([contact_area(p, stress_variance=f * gradient**2 / 4) for f in (0.5, 1.5)]) for p in pressure
-    ]
-    assert_allclose(found[:, 0], by_hand, rtol=1e-12)
-
-
-@pytest.fixture(scope="module")
-def rough():
-    return base_surface(hurst=0.7, periods=4.0, bandwidth=6.0, seed=77)
 
 
 def test_distributions_hold_the_area_the_load_and_every_patch(measured):
@@ -173,14 +148,11 @@ def test_a_window_beyond_the_first_cell_sees_the_slope_of_a_hertzian_contact(her
 
 
 def test_the_slope_from_the_contour_tends_to_that_of_a_hertzian_contact_in_first_order(hertzian):
-    coarse, fine = (
-        np.mean(
-            [2 * np.pi / 4 * contact_areas(r).edge_length * inverse_square_coefficient(r) for r in results]
-        )
-        / (np.pi**3 / 2)
-        - 1
-        for results in hertzian.values()
-    )
+    def excess(result):
+        slope = 2 * np.pi / 4 * contact_areas(result).edge_length * inverse_square_coefficient(result)
+        return slope / (np.pi**3 / 2) - 1
+
+    coarse, fine = (np.mean([excess(result) for result in results]) for results in hertzian.values())
     # p^2 = p_m^2 (2 s/a - s^2/a^2): read at 1.5 to 4 cells, 1/B^2 is too large by some 1.4 cells over a.
     assert fine == pytest.approx(1.4 / 19.2, abs=0.04)
     assert coarse / fine == pytest.approx(2.0, abs=0.7)
@@ -192,40 +164,11 @@ def test_the_contour_is_read_two_and_three_cells_inside_alone():
     read = (inside > 2 * dx) & (inside < 4 * dx)
     pressure = np.where(read, 3.0 * np.sqrt(abs(inside)), 50.0)
     contact = np.broadcast_to((inside > 0)[:, None], (32, 8))
-    found = SimpleNamespace(
-        in_contact=contact, pressure=np.where(contact, pressure[:, None], 0.0), spacing=(dx, dx)
-    )
+    pressure = np.where(contact, pressure[:, None], 0.0)
+    found = SimpleNamespace(in_contact=contact, pressure=pressure, spacing=(dx, dx))
     assert inverse_square_coefficient(found) == pytest.approx(1 / 9, rel=1e-12)
     nothing = SimpleNamespace(in_contact=~contact & contact, pressure=0 * found.pressure, spacing=(dx, dx))
     assert np.isnan(inverse_square_coefficient(nothing))
-
-
-def test_the_depth_that_is_enough_is_the_first_whose_bottom_costs_less_than_a_tenth_of_the_mesh():
-    mesh, over = 0.02, np.array([1.11, 1.09, 1.0])
-    data = xr.Dataset(
-        {
-            "varied": ("case", ["depth"] * 3 + ["growth"]),
-            "element": ("case", ["Hex1"] * 4),
-            "depth": ("case", [1.0, 2.0, 4.0, 4.0]),
-            "pressure_difference": ("case", [*(mesh * over), 0.5]),
-            "pressure_difference_layer": ("case", [mesh] * 4),
-        }
-    )
-    found = depth._finding(data, "Hex1")
-    assert found.values["deep"].value == 2.0
-    assert found.values["shallow_difference"].value == mesh * 1.11
-
-
-def synthetic_edge(*, value, slope, bend):
-    """P = value + slope sigma - bend sigma^2 / 2 of four surfaces, in windows that close like sqrt(dx)."""
-    spacing = 1 / np.array([16.0, 32.0, 64.0, 128.0])
-    eps = 0.4 * np.sqrt(spacing)
-    each = np.linspace(0.9, 1.1, 4)[:, None]
-    return edge_data(
-        density=value + each * (slope * eps / 2 - bend * eps**2 / 6),
-        slope=each * (slope - bend * eps / 3),
-        contour=each * slope * (1 - 3 * spacing),
-    )
 
 
 @pytest.mark.slow

@@ -78,40 +78,32 @@ def test_the_slope_from_the_contour_is_twice_contour_over_the_squared_edge_coeff
 def test_densities_and_slopes_at_zero_are_extrapolated_in_their_own_powers_of_the_spacing():
     spacing = np.array([0.16, 0.08, 0.04, 0.02, 0.01])
     root = np.sqrt(spacing)
-    rows = {
-        "density_at_zero": 0.02 + 0.4 * root - 0.3 * root**2,
-        "window_slope": 2.0 - 0.5 * root + 0.1 * root**2,
-        "contour_slope": 2.1 + 0.7 * spacing,
-    }
+    rows = {"density_at_zero": 0.02 + 0.4 * root - 0.3 * spacing, "contour_slope": 2.1 + 0.7 * spacing}
+    rows["window_slope"] = 2.0 - 0.5 * root + 0.1 * spacing
     each = {name: (("surface", "grid"), np.array([row - 0.01, row + 0.01])) for name, row in rows.items()}
     data = xr.Dataset({f"{name}_each": rows for name, rows in each.items()})
     data = edge_limits(data.assign_coords(spacing=("grid", spacing)))
-    for name, value in (
-        ("initial_density", 0.02),
-        ("initial_slope_window", 2.0),
-        ("initial_slope_contour", 2.1),
-    ):
-        assert data[f"{name}_each"].values == pytest.approx([value - 0.01, value + 0.01], abs=1e-10)
-        assert data[f"{name}_each_drift"].values == pytest.approx([0.0, 0.0], abs=1e-10)
+    for name, value in (("density", 0.02), ("slope_window", 2.0), ("slope_contour", 2.1)):
+        limit, drift = data[f"initial_{name}_each"], data[f"initial_{name}_each_drift"]
+        assert limit.values == pytest.approx([value - 0.01, value + 0.01], abs=1e-10)
+        assert drift.values == pytest.approx([0.0, 0.0], abs=1e-10)
 
 
 def test_waves_left_out_raise_the_reduced_pressure_of_the_rest():
     """One nominal pressure, theory erf(p / (2 V)^(1/2)) with the gradient of the waves that are there."""
-    options = magnification.Options(
-        surfaces=2, magnifications=(2.0, 4.0), bandwidth=4.0, periods=2.0, points_per_wave=(3.0, 4.0),
-        reduced_pressures=(0.1,), seed=71,
-    )  # fmt: skip
+    asked = {"magnifications": (2.0, 4.0), "points_per_wave": (3.0, 4.0), "reduced_pressures": (0.1,)}
+    options = magnification.Options(surfaces=2, bandwidth=4.0, periods=2.0, seed=71, **asked)
     cases = magnification.design(options)
-    part, whole = (
-        truncated_heights(one["problem"], one["grids"][0], truncation=one["truncation"]).rms_gradient
-        for one in (cases[0, 2.0], cases[0, 4.0])
-    )
+
+    def gradient(one):
+        return truncated_heights(one["problem"], one["grids"][0], truncation=one["truncation"]).rms_gradient
+
+    part, whole = gradient(cases[0, 2.0]), gradient(cases[0, 4.0])
     assert part < 0.9 * whole
 
     def planted(solve):
-        return measurement(solve, lambda p: 0.2).assign_attrs(
-            rms_gradient=solve["problem"].field.rms_gradient
-        )
+        rough = solve["problem"].field.rms_gradient
+        return measurement(solve, lambda p: 0.2).assign_attrs(rms_gradient=rough)
 
     data = magnification.run(options, bench=PlantedBench(planted))
     exact = [math.erf(math.sqrt(2) * 0.1 * whole / slope) for slope in (part, whole)]
@@ -134,9 +126,8 @@ def test_felt_over_exact_is_one_without_grading_and_grading_is_largest_where_the
 def test_an_order_is_that_of_the_mean_error_with_the_jackknife_of_the_surfaces():
     points = np.array([4.0, 8.0, 16.0])
     exact = np.stack([a * points**-1.5 for a in (0.9, 1.0, 1.1)])
-    data = xr.Dataset(
-        {"distance_each": (("surface", "grid"), exact)}, coords={"points_per_wave": ("grid", points)}
-    )
+    coords = {"points_per_wave": ("grid", points)}
+    data = xr.Dataset({"distance_each": (("surface", "grid"), exact)}, coords)
     found = observed_order(data, "distance", to="order")
     assert_allclose(found.order, 1.5, rtol=1e-12)
     assert float(total_error(found, "order")) < 1e-9
@@ -144,9 +135,8 @@ def test_an_order_is_that_of_the_mean_error_with_the_jackknife_of_the_surfaces()
     assert_allclose(two.order, 1.5, rtol=1e-12)
     # Orders 1 and 2: without one of them it is the other's.
     data["distance_each"] = (("surface", "grid"), np.array([points**-1.0, points**-2.0, points**-1.5]))
-    left = [
-        order_of_convergence(1 / points, np.delete(data.distance_each.values, k, 0).mean(0)) for k in range(3)
-    ]
+    means = [np.delete(data.distance_each.values, k, 0).mean(0) for k in range(3)]
+    left = [order_of_convergence(1 / points, mean) for mean in means]
     half = STUDENT[3] * math.sqrt(2 / 3 * np.var(left) * 3)
     found = observed_order(data, "distance", to="order")
     assert_allclose(total_error(found, "order"), half, rtol=1e-9)
@@ -170,9 +160,8 @@ def test_forward_and_central_slopes_of_a_wave_are_those_of_its_differences():
 def flattened():
     """A surface in full contact, measured along two loads."""
     case = base_case(base_surface(hurst=0.8, periods=1.6, bandwidth=2.5, seed=89), reduced_pressure=6.0)
-    return case, press_on_grids(
-        problem=case, reduced_pressures=(5.0, 6.0), grids=((16, 16), (24, 24)), shifts=1
-    )
+    asked = {"reduced_pressures": (5.0, 6.0), "grids": ((16, 16), (24, 24)), "shifts": 1}
+    return case, press_on_grids(problem=case, **asked)
 
 
 def test_the_energy_of_a_measurement_at_full_contact_is_the_sum_over_waves(flattened):
@@ -214,15 +203,11 @@ def test_rungs_of_a_known_order_lead_to_their_limit_and_a_shift_grows_with_it():
     assert found.slope == pytest.approx(0.5, rel=1e-10)
     assert found.reach == pytest.approx(0.1**1.5 / (0.4**1.5 - 0.1**1.5), rel=1e-12)
     told = {"limit": 2.0, "slope": -0.5}
-    ladders = xr.Dataset(
-        {
-            f"kappa_by_{kind}_{name}": ("ladder", [v])
-            for kind in ("bandwidth", "size")
-            for name, v in told.items()
-        }
-    ).assign_coords(hurst_ladder=("ladder", [0.3]))
+    ladders = xr.Dataset(coords={"hurst_ladder": ("ladder", [0.3])})
     for kind, order in (("bandwidth", 1.4), ("size", 2.0)):
         ladders[f"order_by_{kind}"] = ("ladder", [order])
+        for name, value in told.items():
+            ladders[f"kappa_by_{kind}_{name}"] = ("ladder", [value])
         ladders = claim(ladders, f"kappa_by_{kind}_slope", surfaces=0.3)
         ladders = claim(ladders, f"kappa_by_{kind}_limit", **{kind: 0.1 if kind == "bandwidth" else 0.001})
     shares = spectral_errors(ladders, hurst=0.3, bandwidth=8.0, periods=4.0)
@@ -286,14 +271,8 @@ def test_yielded_and_elastic_areas_and_loads_are_those_of_their_points():
 def test_rows_are_compared_at_the_largest_value_that_all_have_be_it_the_first_of_one(last, kappa):
     each = xr.DataArray([[1.0, 3.0], [10.0, 30.0]], dims=("hurst", "rung"))
     alpha = each.copy(data=[[2.0, 4.0], [last, 8.0]])
-    data = xr.Dataset(
-        {
-            "kappa_each": each,
-            "kappa_each_error": error_of(each, grid=0.1),
-            "alpha": alpha,
-            "kappa_each_drift": 0 * each,
-        }
-    )
+    data = xr.Dataset({"kappa_each": each, "kappa_each_drift": 0 * each, "alpha": alpha})
+    data = data.assign(kappa_each_error=error_of(each, grid=0.1))
     found = at_equal(data, "kappa", x="alpha", along="rung")
     assert float(found.alpha_equal) == 4.0
     assert_allclose(found.kappa_equal_each, kappa)

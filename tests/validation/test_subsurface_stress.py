@@ -16,28 +16,16 @@ from validation.scenes.problem import realise
 from validation.scenes.scene import Scene, load_scene
 from validation.scenes.sweep import load_asked
 
-PLAIN = {
-    "name": "asked",
-    "surface": {
-        "kind": "self-affine",
-        "length": "4 um",
-        "hurst": 0.8,
-        "lambda_long": "2 um",
-        "lambda_short": "0.5 um",
-        "rms_gradient": 0.1,
-        "seed": 8,
-    },
-    "solid": {"young": "1 GPa", "poisson": 0.3},
-    "load": {"reduced_pressure": 0.1},
-    "methods": {"bem": {"grids": [24, 32]}},
-}
+ROUGH = {"length": "4 um", "lambda_long": "2 um", "lambda_short": "0.5 um"}
+ROUGH |= {"hurst": 0.8, "rms_gradient": 0.1, "seed": 8}
+PLAIN = {"name": "asked", "surface": {"kind": "self-affine", **ROUGH}, "load": {"reduced_pressure": 0.1}}
+PLAIN |= {"solid": {"young": "1 GPa", "poisson": 0.3}, "methods": {"bem": {"grids": [24, 32]}}}
 DEPTHS = ["0 um", "0.05 um", "0.1 um", "0.2 um", "0.4 um"]
 
 
 def asked(**changed):
-    return Scene.model_validate(
-        PLAIN | {"quantities": {"subsurface": {"depths": DEPTHS, "vtu": True}}} | changed
-    )
+    quantities = {"subsurface": {"depths": DEPTHS, "vtu": True}}
+    return Scene.model_validate(PLAIN | {"quantities": quantities} | changed)
 
 
 @pytest.fixture(scope="module")
@@ -94,10 +82,7 @@ def test_a_key_on_the_command_line_asks(tmp_path):
     ("changed", "words"),
     [
         ({"methods": {"fem": {"grids": [24]}}}, r"subsurface: .* add \[methods.bem\]"),
-        (
-            {"effects": [{"kind": "thickness", "thickness": "0.3 um"}]},
-            r"subsurface.depths: .*0.4 um, lies below the base of the layer, at 0.3 um",
-        ),
+        ({"effects": [{"kind": "thickness", "thickness": "0.3 um"}]}, r"0.4 um, lies below the base of the"),
     ],
 )
 def test_what_has_no_answer_is_refused_before_anything_is_solved(changed, words):
@@ -107,9 +92,7 @@ def test_what_has_no_answer_is_refused_before_anything_is_solved(changed, words)
 
 
 def test_a_pressed_surface_gives_the_same_in_a_line(tmp_path):
-    surface = self_affine(
-        length="4 um", hurst=0.8, lambda_long="2 um", lambda_short="0.5 um", rms_gradient=0.1, seed=8
-    )
+    surface = self_affine(**ROUGH)
     contact = press(surface, young="1 GPa", poisson=0.3, reduced_pressure=0.1, grid=24)
     below = contact.below([0.0, 1e-7])
     np.testing.assert_allclose(below.stress[:, :, 0, 2], -contact.result.pressure, atol=1e-9 * 1e9)

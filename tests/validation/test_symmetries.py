@@ -14,14 +14,8 @@ from validation.studies import find_study, studies
 from validation.units import unit_registry
 
 #: Rectangular cells on an oblong period, two unequal elastic bodies.
-SURFACE = {
-    "length": ["20 um", "10 um"],
-    "hurst": 0.7,
-    "lambda_long": "10 um",
-    "lambda_short": "2.5 um",
-    "rms_gradient": 0.05,
-    "seed": 7,
-}
+SURFACE = {"length": ["20 um", "10 um"], "lambda_long": "10 um", "lambda_short": "2.5 um"}
+SURFACE |= {"hurst": 0.7, "rms_gradient": 0.05, "seed": 7}
 SOLID = {"young": "2 MPa", "poisson": 0.3, "second_young": "5 MPa", "second_poisson": 0.45}
 GRIDS = [[32, 14], [48, 20]]
 MORE = {
@@ -39,18 +33,12 @@ FIELDS = {"heights", "pressure_map", "power_spectrum", "power_spectrum_told"} | 
 
 
 def tables(more=None, **changed):
-    parts = {
-        "surface": {"kind": "self-affine", **SURFACE},
-        "solid": SOLID,
-        "load": {"reduced_pressure": 0.1},
-        "methods": {"bem": {"grids": GRIDS}, "theory": {}},
-    }
+    parts = {"surface": {"kind": "self-affine", **SURFACE}, "solid": SOLID}
+    parts |= {"load": {"reduced_pressure": 0.1}, "methods": {"bem": {"grids": GRIDS}, "theory": {}}}
     return parts | MORE.get(more, {}) | changed
 
 
 def toml(parts, sweep=""):
-    """Write tables as TOML: JSON values in inline tables."""
-
     def value(item):
         if isinstance(item, dict):
             return "{" + ", ".join(f"{key} = {value(inner)}" for key, inner in item.items()) + "}"
@@ -72,7 +60,6 @@ def scaled_by(unit, length, pressure):
 
 
 def scaled_tables(length, pressure, more=None, **changed):
-    """Return the tables of the scene with all lengths and all pressures so much larger."""
     surface = {**SURFACE, "length": [20e-6 * length, 10e-6 * length]}
     surface |= {"lambda_long": 10e-6 * length, "lambda_short": 2.5e-6 * length}
     solid = {**SOLID, "young": 2e6 * pressure, "second_young": 5e6 * pressure}
@@ -126,9 +113,8 @@ TURNED = {
 
 def map_of(folder, turn, *, length=1.0):
     """Return a table of a rough map that lies in the folder, turned, and how to turn what has two sides."""
-    rough = random_surface(
-        lambda q: q**-3.6, q_short=2 * np.pi / 2.5e-6, lengths=(20e-6, 10e-6), shape=(32, 20), seed=5
-    )
+    waves = {"q_short": 2 * np.pi / 2.5e-6, "lengths": (20e-6, 10e-6), "seed": 5}
+    rough = random_surface(lambda q: q**-3.6, shape=(32, 20), **waves)
     heights = turn(rough.heights) * (0.05 / rough.rms_gradient)
     np.save(folder / "map.npy", heights)
     turned = slice(None, None, -1 if heights.shape[0] < heights.shape[1] else 1)
@@ -137,7 +123,6 @@ def map_of(folder, turn, *, length=1.0):
 
 
 def laid(folder, turn):
-    """What is said of a rough map, turned."""
     surface, turned = map_of(folder, turn)
     grids = [grid[turned] for grid in ([64, 40], [96, 60])]
     methods = {"bem": {"grids": grids, "tolerance": 1e-11}, "theory": {}}

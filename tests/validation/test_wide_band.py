@@ -96,14 +96,10 @@ def test_wide_cells_are_looked_up_and_between_the_tables_it_is_interpolated():
     cell = reference.wide().area.sel(amplitudes="exact", hurst=0.8, bandwidth=64.0, reduced_pressure=0.05)
     found = reference.lookup(hurst=0.8, bandwidth=64, reduced_pressure=0.05)["area"]
     assert (found.value, found.interpolation) == (pytest.approx(float(cell), rel=1e-12), 0)
-    areas = [
-        reference.lookup(hurst=0.8, bandwidth=bandwidth, reduced_pressure=0.05)["area"]
-        for bandwidth in (32, 40, 64)
-    ]
-    assert areas[0].value > areas[1].value > areas[2].value
-    assert (
-        areas[0].interpolation == 0 < areas[1].interpolation < areas[1].uncertainty < 0.005 * areas[1].value
-    )
+    at = {"hurst": 0.8, "reduced_pressure": 0.05}
+    narrow, between, wide = (reference.lookup(**at, bandwidth=b)["area"] for b in (32, 40, 64))
+    assert narrow.value > between.value > wide.value
+    assert narrow.interpolation == 0 < between.interpolation < between.uncertainty < 0.005 * between.value
     # H = .3 has no cell at the lightest load and takes no part there; elsewhere it does.
     light = reference.lookup(hurst=0.8, bandwidth=20, reduced_pressure=0.005)["area"].value
     between = [reference.wide().area.sel(hurst=0.8, bandwidth=b, reduced_pressure=0.005) for b in (16, 32)]

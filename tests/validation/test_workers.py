@@ -111,11 +111,8 @@ def test_what_a_script_itself_defines_is_refused_to_workers_with_the_remedy(tmp_
 
 
 def test_workers_end_within_two_seconds_of_their_parent(tmp_path):
-    code = (
-        "import sys; sys.path.insert(0, 'tests/validation')\n"
-        "from solving import Endless, solve_all\n"
-        "solve_all([Endless(1), Endless(2)], sys.argv[1], workers=2)"
-    )
+    code = "import sys; sys.path.insert(0, 'tests/validation'); from solving import Endless, solve_all\n"
+    code += "solve_all([Endless(1), Endless(2)], sys.argv[1], workers=2)"
     parent = subprocess.Popen([sys.executable, "-c", code, str(tmp_path)], cwd=ROOT, env=environment_of())
     deadline = time.monotonic() + 300
     workers = []
@@ -262,11 +259,8 @@ def certified(folder, name):
         *("-keyout", f"{name}-ca.key", "-out", f"{name}-ca.pem"),
         folder=folder,
     )
-    openssl(
-        *("req", "-newkey", "rsa:2048", "-nodes", "-subj", f"/CN={name}-node"),
-        *("-keyout", f"{name}.key", "-out", f"{name}.csr"),
-        folder=folder,
-    )
+    node = ("-subj", f"/CN={name}-node", "-keyout", f"{name}.key", "-out", f"{name}.csr")
+    openssl(*("req", "-newkey", "rsa:2048", "-nodes"), *node, folder=folder)
     openssl(
         *("x509", "-req", "-days", "2", "-in", f"{name}.csr", "-out", f"{name}.pem"),
         *("-CA", f"{name}-ca.pem", "-CAkey", f"{name}-ca.key", "-CAcreateserial"),
@@ -279,10 +273,8 @@ def with_certificates(authority, certificate, key):
     """Name a client's certificates to Dask, as its environment variables do."""
     import dask
 
-    tls = "distributed.comm.tls"
-    return dask.config.set(
-        {f"{tls}.ca-file": authority, f"{tls}.client.cert": certificate, f"{tls}.client.key": key}
-    )
+    files = {"ca-file": authority, "client.cert": certificate, "client.key": key}
+    return dask.config.set({f"distributed.comm.tls.{name}": file for name, file in files.items()})
 
 
 @pytest.mark.nightly  # handshakes that fail are waited for
@@ -301,12 +293,8 @@ def test_a_cluster_with_tls_works_for_who_holds_a_certificate_of_its_authority(t
         assert address.startswith("tls://")
         with pytest.raises(UsageError, match=r"no scheduler answers .*names both certificates"):
             solve_all([Numbers(1)], store, scheduler=address)
-        with (
-            with_certificates(*stranger),
-            pytest.raises(UsageError, match=r"no scheduler answers .*names both certificates") as told,
-        ):
+        with with_certificates(*stranger), refused(UsageError, r"no scheduler answers .*names both cert"):
             solve_all([Numbers(1)], store, scheduler=address)
-        assert "\n" not in str(told.value)
         assert not store.folder.exists() or not list(store.folder.iterdir())
         monkeypatch.undo()
         with with_certificates(*own):
@@ -344,9 +332,7 @@ def test_dask_workers_are_warm_before_a_solve_is_timed(tmp_path, monkeypatch):
 
     order, store = [], Store(folder=tmp_path)
     monkeypatch.setattr(DiesAtStart, "warm_up", lambda self, warm: order.append("warm"))
-    monkeypatch.setattr(
-        DiesAtStart, "do", lambda self, *, threads: (order.append("solve"), Numbers.do(self))[1]
-    )
+    monkeypatch.setattr(DiesAtStart, "do", lambda self, **_: (order.append("solve"), Numbers.do(self))[1])
     for seed in (1, 2):
         assert cluster._remote(DiesAtStart(seed, ""), store) == Outcome()
     assert order == 2 * ["warm", "solve"]

@@ -25,26 +25,18 @@ def test_rectangular_cells_have_their_own_diagonal():
 
 
 def test_smaller_growth_lowers_the_floor_of_long_waves():
-    floors = [
-        abs(wave_errors((256, 256), (1.0, 1.0), [0.25], poisson=0.3, growth=growth)[0].along_axis)
-        for growth in (1.5, 1.2, 1.1)
-    ]
+    waves = {"shape": (256, 256), "lengths": (1.0, 1.0), "wavelengths": [0.25], "poisson": 0.3}
+    floors = [abs(wave_errors(**waves, growth=growth)[0].along_axis) for growth in (1.5, 1.2, 1.1)]
     assert floors == sorted(floors, reverse=True)
     assert floors[0] > 3e-3
     assert floors[2] < 1e-3
 
 
 def test_announced_error_of_quadratic_elements_falls_with_the_fourth_power_of_the_spacing():
-    nodes = (16, 32, 64)
-    errors = [
-        # The layers are refined with the cells.
-        abs(
-            wave_errors((n, n), (1.0, 1.0), [1.0], poisson=0.3, element="Hex2", growth=1 + 3.2 / n)[
-                0
-            ].along_diagonal
-        )
-        for n in nodes
-    ]
+    nodes, wave, errors = (16, 32, 64), {"poisson": 0.3, "element": "Hex2"}, []
+    for n in nodes:  # the layers are refined with the cells
+        (found,) = wave_errors((n, n), (1.0, 1.0), [1.0], growth=1 + 3.2 / n, **wave)
+        errors.append(abs(found.along_diagonal))
     order = -np.polyfit(np.log(nodes), np.log(errors), 1)[0]
     assert order == pytest.approx(4, abs=0.4)
     assert errors[-1] < 1e-4

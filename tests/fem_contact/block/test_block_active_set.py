@@ -48,9 +48,8 @@ def test_a_set_that_returns_is_a_cycle_unless_nothing_is_violated(monkeypatch, v
     monkeypatch.setattr(active_set, "_SetProblem", _Flipping)
     start = np.zeros((4, 4), dtype=bool)
     start[0] = True
-    found = solve_contact(
-        bumpy_block(), load=0.1, offset=0.0, start=start, **LIMITS, violation=lambda *_: violation
-    )
+    asked = {"load": 0.1, "offset": 0.0, "start": start, "violation": lambda *_: violation}
+    found = solve_contact(bumpy_block(), **asked, **LIMITS)
     assert found.status is status
     assert found.iterations < 6
 
@@ -58,29 +57,21 @@ def test_a_set_that_returns_is_a_cycle_unless_nothing_is_violated(monkeypatch, v
 def test_linear_systems_that_do_not_converge_are_reported(monkeypatch):
     monkeypatch.setattr(active_set, "_LINEAR_STEPS", 2)
     x = np.arange(8) / 8
-    surface = HeightField(
-        heights=1e-3 * np.cos(2 * np.pi * x)[:, None] * np.cos(2 * np.pi * x), lengths=(1.0, 1.0)
-    )
+    heights = 1e-3 * np.cos(2 * np.pi * x)[:, None] * np.cos(2 * np.pi * x)
+    surface = HeightField(heights=heights, lengths=(1.0, 1.0))
     contact = solve(surface, Solid(young=1.0, poisson=0.3), mean_pressure=1e-3, method="full").contact
     assert contact.status is Status.ITERATION_LIMIT
     assert "linear residual" in contact.provenance["tolerance"]
 
 
 def test_updated_set_is_contact_under_pressure_and_penetrating_nodes():
-    block = bumpy_block()
-    start = np.ones((4, 4), dtype=bool)
-    first = solve_contact(
-        block,
-        load=0.05,
-        offset=0.0,
-        start=start,
-        **(LIMITS | {"max_iterations": 1}),
-        violation=lambda *_: 1.0,
-    )
+    block, asked = bumpy_block(), {"load": 0.05, "offset": 0.0, "violation": lambda *_: 1.0}
+    asked["start"] = np.ones((4, 4), dtype=bool)
+    first = solve_contact(block, **asked, **(LIMITS | {"max_iterations": 1}))
     assert first.status is Status.ITERATION_LIMIT
     assert first.force.sum() == pytest.approx(0.05, rel=1e-2)
     assert first.force.min() < 0
-    last = solve_contact(block, load=0.05, offset=0.0, start=start, **LIMITS, violation=lambda *_: 1.0)
+    last = solve_contact(block, **asked, **LIMITS)
     assert last.status is Status.CONVERGED
     assert last.force[last.in_contact].min() > 0
     assert last.gap[~last.in_contact].min() >= 0

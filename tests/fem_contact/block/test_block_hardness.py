@@ -17,14 +17,8 @@ def rough(points=12, *, waves=4):
 
 
 def pressed(hardness, *, surface=None, load=LOAD, method="reduced", **options):
-    found = block.solve(
-        surface or rough(),
-        SOLID,
-        mean_pressure=load,
-        method=method,
-        pressure_bound=hardness,
-        **({"tolerance": 1e-9} | MESH | options),
-    )
+    asked = {"mean_pressure": load, "method": method, "pressure_bound": hardness, "tolerance": 1e-9}
+    found = block.solve(surface or rough(), SOLID, **(asked | MESH | options))
     return found.contact.checked()
 
 
@@ -91,9 +85,8 @@ def test_elements_approach_boundary_elements_as_the_grid_is_refined():
         surface = rough(points)
         finite = pressed(hardness, surface=surface, depth=1.0, growth=1.2)
         boundary = bem.solve(surface, layer, mean_pressure=LOAD, pressure_bound=hardness, threads=1).checked()
-        differences.append(
-            np.linalg.norm(finite.pressure - boundary.pressure) / np.linalg.norm(boundary.pressure)
-        )
+        apart = np.linalg.norm(finite.pressure - boundary.pressure)
+        differences.append(apart / np.linalg.norm(boundary.pressure))
     # The pressure has kinks where it meets its bounds: better than first order in dx is not to be expected,
     # and cells that change sides scatter about it.
     assert differences[1] < 0.7 * differences[0]

@@ -39,9 +39,8 @@ def test_forces_are_the_gradient_of_the_energy_and_the_stiffness_that_of_the_for
     above, below = (cells.strained(u + sign * step * v) for sign in (1, -1))
     force = cells.forces(cells.strained(u))
     # Central differences are off by step^2 and by rounding over step.
-    assert (cells.energy(above) - cells.energy(below)) / (2 * step) == pytest.approx(
-        np.sum(force * v), rel=1e-8
-    )
+    slope = (cells.energy(above) - cells.energy(below)) / (2 * step)
+    assert slope == pytest.approx(np.sum(force * v), rel=1e-8)
     change = (cells.forces(above) - cells.forces(below)) / (2 * step)
     product = cells.stiffness(cells.strained(u)) @ v.ravel()
     assert_allclose(product, change.ravel(), atol=1e-8 * np.abs(change).max())
@@ -53,23 +52,19 @@ def test_forces_are_those_that_scikit_fem_assembles():
     mesh = small_mesh("Hex1")
     u = 0.1 * np.random.default_rng(7).standard_normal((*mesh.cells, mesh.nz, 3))
     x, y = np.arange(5.0), np.arange(6.0) * mesh.aspect
-    basis = Basis(
-        MeshHex1DG.init_tensor(x, y, mesh.edges, periodic=[0, 1]), ElementVector(ElementHex1()), intorder=2
-    )
+    cells = MeshHex1DG.init_tensor(x, y, mesh.edges, periodic=[0, 1])
+    basis = Basis(cells, ElementVector(ElementHex1()), intorder=2)
     place = basis.doflocs
     i, j = np.rint(place[0]).astype(int) % 4, np.rint(place[1] / mesh.aspect).astype(int) % 5
     k = np.searchsorted(mesh.planes + 1e-9, place[2])
     part = np.arange(place.shape[1]) % 3
     nodal = np.concatenate([np.zeros((4, 5, 1, 3)), u], axis=2)[i, j, k, part]
-    form = LinearForm(
-        lambda v, w: np.sum(
-            np.moveaxis(
-                stress(np.moveaxis(w["u"].grad, (0, 1), (-2, -1)) + np.eye(3), poisson=0.3), (-2, -1), (0, 1)
-            )
-            * v.grad,
-            axis=(0, 1),
-        )
-    )
+
+    @LinearForm
+    def form(v, w):
+        gradient = np.moveaxis(w["u"].grad, (0, 1), (-2, -1)) + np.eye(3)
+        return np.sum(np.moveaxis(stress(gradient, poisson=0.3), (-2, -1), (0, 1)) * v.grad, axis=(0, 1))
+
     assembled = form.assemble(basis, u=basis.interpolate(nodal))
     cells = Cells(mesh=mesh, poisson=0.3)
     ours = np.concatenate([np.zeros((4, 5, 1, 3)), cells.forces(cells.strained(u))], axis=2)[i, j, k, part]
@@ -140,10 +135,8 @@ def test_what_is_returned_is_in_equilibrium_and_meets_the_profile(steep):
 
 def test_newton_converges_in_second_order(steep):
     press = replace(steep.press, tolerance=1e-12)
-    rng = np.random.default_rng(9)
-    start = replace(
-        steep.state, field=steep.state.field + 2e-2 * rng.standard_normal(steep.state.field.shape), history=()
-    )
+    noise = 2e-2 * np.random.default_rng(9).standard_normal(steep.state.field.shape)
+    start = replace(steep.state, field=steep.state.field + noise, history=())
     errors = [e for e in descend(press, start).history if e > 1e-12]
     orders = [np.log(after) / np.log(before) for before, after in itertools.pairwise(errors)]
     assert len(orders) >= 2
@@ -151,17 +144,13 @@ def test_newton_converges_in_second_order(steep):
 
 
 def test_units_and_translation_change_nothing(steep):
-    moved = HeightField(
-        heights=2.0**-20 * np.roll(steep.surface.heights, (3, 5), axis=(0, 1)), lengths=(2.0**-20, 2.0**-20)
-    )
+    heights = 2.0**-20 * np.roll(steep.surface.heights, (3, 5), axis=(0, 1))
+    moved = HeightField(heights=heights, lengths=(2.0**-20, 2.0**-20))
     solid = Solid(young=2.0**30 * SOLID.young, poisson=SOLID.poisson)
     mesh = {"depth": 0.5 * 2.0**-20, "growth": 2.0}
     again = solve_finite_strain(moved, solid, mean_pressure=2.0**30 * steep.mean_pressure, **mesh)
-    assert_allclose(
-        np.roll(again.pressure, (-3, -5), axis=(0, 1)) / 2.0**30,
-        steep.pressure,
-        atol=1e-7 * steep.pressure.max(),
-    )
+    back = np.roll(again.pressure, (-3, -5), axis=(0, 1)) / 2.0**30
+    assert_allclose(back, steep.pressure, atol=1e-7 * steep.pressure.max())
 
 
 def test_what_newton_cannot_follow_is_refused_by_name(monkeypatch):

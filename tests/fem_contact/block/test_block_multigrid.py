@@ -68,9 +68,8 @@ def test_the_stencil_is_the_assembled_matrix(element, shape, moduli):
 
 @pytest.mark.parametrize("shape", [(2, 1), (1, 1)])
 def test_few_columns_bear_what_their_periods_do_on_a_larger_grid(shape):
-    few, many = (
-        hierarchy_of(cells, cells, layered=True, depth=2.0)[1].levels[0] for cells in (shape, (6, 4))
-    )
+    both = [hierarchy_of(cells, cells, layered=True, depth=2.0)[1] for cells in (shape, (6, 4))]
+    few, many = (hierarchy.levels[0] for hierarchy in both)
     u, times = (
         np.random.default_rng(31).standard_normal(few.field_shape),
         (6 // shape[0], 4 // shape[1], 1, 1),
@@ -79,9 +78,10 @@ def test_few_columns_bear_what_their_periods_do_on_a_larger_grid(shape):
     assert_allclose(np.tile(few.apply(u), times), exact, atol=1e-13 * np.abs(exact).max())
 
 
-@pytest.mark.parametrize(
-    ("fine", "coarse"), [((8, 6), (4, 3)), ((7, 5), (4, 3)), ((6, 5), (6, 3)), ((2, 1), (1, 1))]
-)
+GRIDS = {(8, 6): (4, 3), (7, 5): (4, 3), (6, 5): (6, 3), (2, 1): (1, 1)}
+
+
+@pytest.mark.parametrize(("fine", "coarse"), GRIDS.items())
 def test_transfer_between_grids_is_its_twin_and_transposed(fine, coarse):
     transfers = [Transfer.between(f, c) for f, c in zip(fine, coarse, strict=True)]
     tables = [table for t in transfers for table in (t.low, t.weight)]
@@ -186,15 +186,9 @@ def steps_of(hierarchy, tied, block=None):
     right[:, :, -1, 2] = np.random.default_rng(3).standard_normal(tied.shape)
     right = right.ravel()
     right[held] = 0
-    found = conjugate_gradients(
-        apply,
-        right,
-        precondition=lambda r: hierarchy.cycle(r.reshape(shape), masks).ravel(),
-        start=np.zeros_like(right),
-        scale=float(np.linalg.norm(right)),
-        tolerance=1e-8,
-        max_iterations=300,
-    )
+    told = {"start": np.zeros_like(right), "scale": float(np.linalg.norm(right)), "tolerance": 1e-8}
+    told["precondition"] = lambda r: hierarchy.cycle(r.reshape(shape), masks).ravel()
+    found = conjugate_gradients(apply, right, max_iterations=300, **told)
     assert found.converged
     return found.iterations
 
@@ -263,13 +257,8 @@ def quadratic(shape, *, element="Hex2", poisson=0.3, modulus=None, lengths=(1.0,
     [((6, 8), "Hex2", 0.3), ((10, 6), "Hex2/P1disc", 0.4999), ((6, 6), "Hex2/P1disc", -0.4)],
 )
 def test_blocks_by_parity_sum_to_the_assembled_matrix(shape, element, poisson):
-    block = quadratic(
-        shape,
-        element=element,
-        poisson=poisson,
-        modulus=lambda mesh: cell_moduli(mesh, 100.0),
-        lengths=(1.0, 1.1),
-    )
+    told = {"element": element, "poisson": poisson, "lengths": (1.0, 1.1)}
+    block = quadratic(shape, modulus=lambda mesh: cell_moduli(mesh, 100.0), **told)
     matrix = above_bottom(assemble(block.mesh, poisson=poisson, modulus=block.modulus), block.mesh)
     u = np.random.default_rng(39).standard_normal(matrix.shape[0])
     exact = matrix @ u
@@ -312,9 +301,8 @@ def test_each_solver_of_the_full_system_is_named():
     load = 0.05 * SOLID.contact_modulus * surface.rms_gradient
 
     def told(**options):
-        return solve(
-            surface, SOLID, mean_pressure=load, method="full", depth=0.3, **options
-        ).contact.provenance
+        options |= {"mean_pressure": load, "method": "full", "depth": 0.3}
+        return solve(surface, SOLID, **options).contact.provenance
 
     for element in ("Hex1", "Hex1/P0"):
         assert "geometric multigrid" in told(element=element)["method"]

@@ -40,10 +40,8 @@ def test_a_nearly_incompressible_block_ends_where_rounding_stops_it_and_is_right
 def test_a_block_does_not_know_which_side_of_its_cells_is_longer(method, element):
     surface = rough((24, 10), (2e-5, 1e-5))
     swapped = HeightField(heights=surface.heights.T, lengths=surface.lengths[::-1])
-    pressure, turned = (
-        press(one, method=method, element=element, tolerance=1e-12).contact.pressure
-        for one in (surface, swapped)
-    )
+    told = {"method": method, "element": element, "tolerance": 1e-12}
+    pressure, turned = (press(one, **told).contact.pressure for one in (surface, swapped))
     assert_allclose(turned.T, pressure, atol=1e-9 * pressure.max())
 
 
