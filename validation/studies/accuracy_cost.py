@@ -22,7 +22,7 @@ from validation.measurements.external_codes import (
 from validation.measurements.measurement import area_limits, grids_for, press_on_grids
 from validation.measurements.ways import AREAS, chosen_ways, covered, way, ways_of_bem
 from validation.report.estimates import NORMAL, error_of, gather
-from validation.report.views import Figure, Finding, Level, Line, Table, Views, against, finding, note
+from validation.report.views import Figure, Finding, Level, Line, Panel, Table, Views, against, finding, note
 from validation.studies._options import Methods, ReducedPressure, Seed, Surfaces
 from validation.studies._scene import PressedOptions, SolverRequest
 from validation.studies._study import Bench, Call, Measured, solved
@@ -189,16 +189,7 @@ def views(data: xr.Dataset) -> Views:
         *(_against_peer(data, code) for code in data.attrs["peers"].split()),
     ]
     findings += [note(form, it=data.attrs[name]) for name, form in _NOTES.items() if data.attrs.get(name)]
-    costs = ("area_deviation_rms", "seconds", "peak_bytes")
-    names = [f"{name}_{which}" for which in ("fastest", "leanest") for name in ("way", *costs)]
-    kinds = dict.fromkeys(data.kind.values.tolist())
-    dots = [Line(costs[0], where={"kind": kind}, joined=False, label=kind) for kind in kinds]
-    look = {"color": "black", "marker": "", "lw": 0.8}
-    fronts = {
-        x: Line(f"{costs[0]}_front_{x}", x=f"{x}_front", label="no other is better", look=look)
-        for x in costs[1:]
-    }
-    floor = Level("reference_rms", look={"color": "black", "ls": ":"}, label="reference")
+    names = [f"{name}_{which}" for which in ("fastest", "leanest") for name in ("way", *_COSTS)]
     return Views(
         table=Table(("target",), ("accuracy", *names)),
         figures=[
@@ -206,18 +197,28 @@ def views(data: xr.Dataset) -> Views:
                 "accuracy-cost",
                 "Error of the contact area of every way to it against processor time on one thread (left) and "
                 "memory (right) for one surface; lines, ways that no other beats; black, the reference.",
-                [against(x, *dots, front, floor, y=costs[0], log="xy") for x, front in fronts.items()],
+                [_panel(data, cost) for cost in _COSTS[1:]],
             )
         ],
         findings=findings[:6],
     )
 
 
+_COSTS = ("area_deviation_rms", "seconds", "peak_bytes")
 _NOTES = {
     "measured_by": "Other codes and ours are solved alike, each in a process of its own: {it}.",
     "unsettled": "Answers without the residuals that were asked for, counted all the same: {it}.",
     "absent": "Not compared, because not installed (extra `peers`) or not asked for: {it}.",
 }
+
+
+def _panel(data: xr.Dataset, cost: str) -> Panel:
+    kinds = list(dict.fromkeys(data.kind.values.tolist()))
+    dots = [Line("area_deviation_rms", where={"kind": kind}, joined=False, label=kind) for kind in kinds]
+    look = {"color": "black", "marker": "", "lw": 0.8}
+    front = Line(f"area_deviation_rms_front_{cost}", x=f"{cost}_front", label="no other is better", look=look)
+    floor = Level("reference_rms", look={"color": "black", "ls": ":"}, label="reference")
+    return against(cost, *dots, front, floor, y="area_deviation_rms", log="xy")
 
 
 def _against_peer(data: xr.Dataset, code: str) -> Finding:
