@@ -29,6 +29,7 @@ from validation.comparison.run import run_sweep
 from validation.errors import RunFailed, UsageError
 from validation.execution.press import Press
 from validation.execution.results import read_results, write_results
+from validation.files import read_record, write_record
 from validation.scenes.problem import realise
 from validation.scenes.sweep import load_asked
 from validation.units import Duration, read_quantity
@@ -339,8 +340,11 @@ def test_the_command_exits_with_one_where_a_number_disagrees(small_run, copied):
     assert "data.nc: area_own: found" in damaged.output
 
 
-def test_the_command_refuses_a_folder_without_a_run(tmp_path):
+def test_the_command_refuses_a_folder_without_a_run_of_this_version(tmp_path, copied):
     assert "cannot be audited" in str(invoke("audit", tmp_path).exception)
+    record = read_record(copied / "result.json")
+    write_record(copied / "result.json", record | {"format": "fem-contact result 1"})
+    assert "not of this version; run it again" in str(invoke("audit", copied).exception)
 
 
 def _pipe(path):
