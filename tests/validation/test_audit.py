@@ -208,6 +208,9 @@ def test_with_adhesion_tension_and_balance_are_judged_and_the_theory_is_listed(a
     one = run.solves["bem", (24, 16), (0.0, 0.0), 0]
     one.p[~one.contact] -= 0.1 * abs(one.p.min())
     assert {"residual, tension", "residual, complementarity"} <= {*wrong_of(judge_fields, 0, one, run)}
+    finer = run.solves["bem", (48, 32), (0.0, 0.0), 0]
+    finer.gap[finer.contact] -= 1e-3 * np.std(finer.h)
+    assert "residual, penetration" in wrong_of(judge_fields, 0, finer, run)
 
 
 def test_residuals_under_a_law_that_is_not_read_are_listed(audited):

@@ -177,13 +177,14 @@ class Stored:
         if adhesion.get("law", "exponential") != "exponential" or math.isnan(pressure):
             return None
         strength = adhesion["work"] / adhesion["reach"]
-        off = wall = self.p + strength * np.exp(-np.maximum(self.gap, 0.0) / adhesion["reach"])
-        if "hardness" in self.effects:
-            off = np.where(self.gap < 0, self.p - self.effects["hardness"]["hardness"], wall)
+        wall = self.p + strength * np.exp(-np.maximum(self.gap, 0.0) / adhesion["reach"])
+        hardness = self.effects.get("hardness", {}).get("hardness", math.inf)
+        yielded = (self.gap < 0) & (hardness < math.inf)
+        off = np.where(yielded, self.p - hardness, wall)
         height = math.sqrt(self.moments[0])
         stress = max(strength, math.sqrt(np.mean(self.p**2)))
         return {
-            "penetration": 0.0,  # what overlaps has yielded
+            "penetration": max(0.0, -self.gap[~yielded].min(initial=0.0)) / height,
             "tension": max(0.0, -wall.min()) / (self.modulus * math.sqrt(self.moments[1])),
             "complementarity": np.mean(np.abs(off * self.gap)) / (stress * height),
             "load": abs(self.mean_pressure - pressure) / stress,
