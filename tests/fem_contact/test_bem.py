@@ -135,6 +135,13 @@ def test_a_load_that_steps_round_away_is_carried_all_the_same(seed, n, reduced):
     assert result.mean_pressure == pytest.approx(reduced * surface.rms_gradient, rel=1e-12)
 
 
+def test_surfaces_too_far_apart_do_not_touch():
+    surface = rough((32, 32))
+    result = solve_displacement(surface, SOFT, offset=2 * float(surface.heights.max())).checked()
+    assert result.mean_pressure == result.in_contact.sum() == 0
+    assert result.gap.min() == pytest.approx(float(surface.heights.max()))
+
+
 def test_a_thin_incompressible_layer_takes_a_hundred_pairs():
     """182, 496 and 857 of them before; at .01 and a load of .5 the iteration stagnated."""
     for thickness, load, pairs in ((0.03, 0.05, 120), (0.01, 0.05, 140), (0.003, 0.5, 80), (0.01, 0.5, 200)):

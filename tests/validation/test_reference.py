@@ -275,6 +275,7 @@ def test_the_command_prints_what_is_looked_up(planted):
     asked = "reference --hurst 0.8 --ratio 8 --reduced-pressure 0.05"
     found = reference.lookup(hurst=0.8, bandwidth=8.0, reduced_pressure=0.05)
     told = output_of(asked)
+    assert told.startswith("H = 0.8, lambda_long/lambda_short = 8, p* = 0.05")
     assert f"{found['area'].value:.3f}"[:5] in told
     data = answer_of(asked)
     assert data["area"]["value"] == found["area"].value

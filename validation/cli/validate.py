@@ -210,7 +210,7 @@ def reference(
     between the computed values by interpolation. With --theory or --csv a theory, or your numbers, are scored
     on all cells instead, as by the study reference-score.
     """
-    from validation.cli.results import print_outputs, print_table
+    from validation.cli.results import print_outputs, print_table, show
     from validation.execution.bench import Bench
     from validation.files import prepare_folder
     from validation.reference import lookup, persson_theory, table
@@ -250,9 +250,11 @@ def reference(
     sized = (amplitudes, gradient) == ("exact", "surface")
     parts = "surfaces, grid, solver, size of the sample" if sized else "surfaces, grid, solver"
     lacking = "" if sized else "; what the size of the sample does is not in it"
+    where = f"H = {hurst:g}, lambda_long/lambda_short = {bandwidth:g}, p* = {reduced_pressure:g}"
+    show(where)
     print_table(
         WordTable(
-            title=f"H = {hurst:g}, lambda_long/lambda_short = {bandwidth:g}, p* = {reduced_pressure:g}",
+            title=where,
             columns=("quantity", "mean and 95 %", "Persson", "interpolation [%]", "meaning"),
             rows=tuple(rows),
             left=frozenset({"quantity", "meaning"}),
