@@ -2,6 +2,7 @@
 
 import math
 import re
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -20,7 +21,7 @@ from validation.execution.bench import Bench, Execution
 from validation.execution.press import solves_of
 from validation.measurements.common import base_case, base_surface
 from validation.measurements.ensemble import area_pairs, mean_area
-from validation.measurements.measurement import area_limits, grids_for
+from validation.measurements.measurement import area_limits, grids_for, limit_over
 from validation.measurements.statistics import pair_means
 from validation.report.estimates import mean_of
 from validation.scenes.problem import ContactProblem, realise
@@ -295,3 +296,24 @@ def test_grids_that_will_be_chosen_may_be_missing_or_too_coarse(write_scene, ben
     beside = str(write_scene(("grids = [[12, 8], [24, 16]]", "grids = [3]")))
     with pytest.raises(SceneError, match=r"methods\.fem\.grids = \[3, 3\]: too coarse"):
         load_asked(beside, grids_chosen=True)
+
+
+def test_where_grids_disagree_more_than_foretold_the_next_ones_are_chosen_so_much_finer(
+    scene, bench, monkeypatch
+):
+    def far_apart(areas):
+        limit = limit_over(areas)
+        return replace(limit, uncertainty=30 * limit.uncertainty)
+
+    monkeypatch.setattr(accuracy_search, "limit_over", far_apart)
+    notes, quiet = [], dict.fromkeys(("start", "begin", "done", "note"), lambda *_: None)
+    progress = SimpleNamespace(**quiet, plan=notes.append)
+    reached = reach(scene, replace(bench, progress=progress), target=0.03)
+    assert reached.error <= 0.03
+    # Of five pairs of grids, each finer than the one before, three are left out.
+    assert sum("this surface on" in note for note in notes) == 2
+
+
+def test_a_time_limit_that_is_over_stops_the_run_by_name(scene, bench):
+    with pytest.raises((UsageError, RunFailed), match="--accuracy = 1 %"):
+        reach(scene, bench, target=0.01, time_limit=1e-9)

@@ -4,13 +4,17 @@ import copy
 import math
 import random
 import re
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 import xarray as xr
 from gold.asked import STUDIES
+from numpy.testing import assert_allclose
+from scipy.special import stdtrit
 
 from validation.audit import Ledger, dataset, values
+from validation.audit.reductions import errors_of, recomputed
 from validation.audit.values import page_tables, value_ledger
 from validation.comparison.run import run_scene
 from validation.report.quantities import registry
@@ -231,3 +235,25 @@ def test_a_cell_of_the_page_that_is_moved_is_found(results, name):
         wrong = f">{value + 10 ** -(len(cell[1]) - 3):.{len(cell[1]) - 2}f}<"
         other = page[: start + cell.start()] + wrong + page[start + cell.end() :]
         assert finds(values.judge_page, changed(results[name], "page", other)), cell[1]
+
+
+def test_means_of_infinite_samples_are_infinite_and_have_no_interval():
+    """The stiffness of full contact is infinite."""
+    each = xr.Variable(("load", "surface"), [[1.0, 3.0], [np.inf, np.inf], [2.0, np.nan]])
+    made = {"reduction": "mean", "of": "each", "over": "surface"}
+    result = SimpleNamespace(data={"each": each, "k": xr.Variable("load", [2.0, np.inf, np.nan], made)})
+    assert_allclose(recomputed(result, "k"), [2.0, np.inf, np.nan])
+    half = stdtrit(1, 0.975)
+    assert_allclose(errors_of(result, "k")["surfaces"], [half, np.nan, np.nan])
+
+
+def test_a_line_is_judged_where_another_has_a_gap():
+    each = 2.0 + 0.5 * np.array([0.1, 0.2, 0.4])[:, None] + 0.01 * np.array([[-1, 1]]) * np.ones((2, 3, 1))
+    each[1, 0, 0] = np.nan
+    made = {"reduction": "line slope", "of": "each", "x": "x", "along": "rung", "over": "surface"}
+    data = {
+        "each": xr.Variable(("hurst", "rung", "surface"), each),
+        "x": xr.Variable("rung", [0.1, 0.2, 0.4]),
+    }
+    data["slope"] = xr.Variable("hurst", [0.5, np.nan], made)
+    assert_allclose(recomputed(SimpleNamespace(data=data), "slope"), [0.5, np.nan], rtol=1e-9)

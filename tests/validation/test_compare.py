@@ -16,7 +16,7 @@ from validation.comparison.run import run_scene, run_sweep
 from validation.errors import UsageError
 from validation.execution.results import Result, read_results
 from validation.files import prepare_folder
-from validation.report.estimates import NORMAL, SOURCES, claim, mean
+from validation.report.estimates import NORMAL, SOURCES, claim, mean, total_error
 from validation.scenes.sweep import load_asked
 from validation.studies import find_study
 from validation.studies._outputs import run_study
@@ -246,3 +246,13 @@ def test_the_command_prints_and_writes(results, tmp_path, monkeypatch):
     assert "They differ in" in output_of(command)
     assert (tmp_path / "results" / "compare-first-other" / "data.nc").exists()
     assert not (tmp_path / "results" / "compare-first-other" / "report.html").exists()
+
+
+def test_beside_a_result_without_an_interval_nothing_is_decided(results):
+    pair = {name: read_results(results / name) for name in ("first", "other")}
+    bare = pair["other"].data
+    entering = ["surfaces", "grid", "solver", "size", "bandwidth"]
+    bare = bare.assign(area_error=bare.area_error.where(~bare.source.isin(entering)))
+    data = side_by_side(pair | {"other": replace(pair["other"], data=bare)})
+    assert np.isnan(total_error(data, "area_apart").sel(result="other"))
+    assert total_error(side_by_side(pair), "area_apart").sel(result="other") > 0

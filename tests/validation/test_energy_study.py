@@ -13,6 +13,7 @@ from validation.measurements.limits import two_grid_step
 from validation.measurements.measurement import grid_for
 from validation.measurements.theory import Waves
 from validation.report.estimates import NORMAL, error_of, total_error
+from validation.studies import energy, find_study, pressure
 from validation.theories import Rough
 from validation.theories.persson_variants import Persson, persson_readings
 from validation.theories.predicted import distances, predictions, ranked
@@ -47,6 +48,14 @@ def test_energy_gap_and_compliance_are_those_of_the_contact_carried_to_the_limit
     assert grid["compliance"] == pytest.approx(3 * abs(step[2]), rel=1e-3, abs=1e-9)
 
 
+def test_the_three_studies_of_one_path_of_loads_share_its_solves(stored):
+    options, _ = stored
+    same = options.model_dump(exclude={"scene"})
+    ours = {solve.key for solve in pressure.design(options).values()}
+    other = pressure.Options.model_construct(**same)
+    assert ours == {solve.key for solve in pressure.design(other).values()}
+
+
 def test_energy_is_work_stiffness_its_derivative_and_full_contact_a_closed_form(stored):
     """Work between loads .2 % apart to second order; over the path to fourth, in steps of ln 2."""
     _, data = stored
@@ -56,6 +65,28 @@ def test_energy_is_work_stiffness_its_derivative_and_full_contact_a_closed_form(
     assert_allclose(data.energy_ratio_first[-1], 1, rtol=1e-12)
     assert float(data.gap_first[-1]) == 0
     assert float(data.left_gap[2, :-1].max()) < 1e-5
+
+
+def test_full_contact_is_scored_by_no_theory_and_said(stored):
+    _, data = stored
+    for name in ASKED:
+        over = data[f"{name}_over"].transpose("theory", "load")
+        assert np.isnan(over[:, -1]).all()
+        assert np.isfinite(over[:, :-1]).all()
+    full = energy.views(data).findings[-1]
+    assert full.values["reduced_pressure"].value == 4.0
+    assert full.values["gap_first"].value == 0
+    assert {drawing.name for drawing in find_study("energy").figures(data)} == {
+        "energy-gap-stiffness",
+        "towards-full-contact",
+    }
+
+
+def test_what_the_tolerance_leaves_is_a_source_of_the_interval(stored):
+    _, data = stored
+    solver = data.gap_error.sel(source="solver").values[:-1]
+    assert_allclose(solver, (data.left_gap[2] * data.gap).values[:-1], rtol=1e-12)
+    assert (solver > 0).all()
 
 
 def test_gap_and_compliance_of_a_reading_follow_from_its_energy(stored):
@@ -76,18 +107,20 @@ def test_gap_and_compliance_of_a_reading_follow_from_its_energy(stored):
         exact = separation.elastic_energy(load, scale=scale, energy=theory.reading)
         assert theory.elastic_energy(load, told) == pytest.approx(exact, rel=2e-3)
     # As the studies take it, of a realised surface.
-    options, rise = stored[0], 1e-4
-    # Where a theory has an area alone, there is no number of the rest.
-    no_number = dict.fromkeys(("mean_gap", "elastic_energy"), lambda pressure, rough: None)
-    area_alone = SimpleNamespace(label="area alone", area=Persson().area, **no_number)
-    said = predictions([Persson(), area_alone], options.pressed, LOADS)
-    case = Rough.of(options.first)
+    options, data = stored
+    said = predictions(persson_readings(), options.pressed, LOADS)
+    case, rise = Rough.of(options.first), 1e-4
     p = 0.1 * case.contact_modulus * case.moments.rms_gradient
     ends = Persson().mean_gap(p * np.exp([-rise, rise]), case) / case.moments.rms_height
     assert_allclose(said.compliance_predicted[0, 1], -np.diff(ends)[0] / (2 * rise), rtol=1e-3)
-    assert_allclose(said.area_predicted[1], said.area_predicted[0], rtol=1e-12)
+    assert_allclose(said.gap_predicted, data.gap_predicted, rtol=1e-12)
+    # Where a theory has an area alone, there is no number of the rest.
+    no_number = dict.fromkeys(("mean_gap", "elastic_energy"), lambda pressure, rough: None)
+    area_alone = SimpleNamespace(label="area alone", area=Persson().area, **no_number)
+    silent = predictions([area_alone], options.pressed, LOADS).isel(theory=0)
+    assert_allclose(silent.area_predicted, said.area_predicted[0], rtol=1e-12)
     for name in ("gap", "energy_ratio", "compliance"):
-        assert said[f"{name}_predicted"][1].isnull().all()
+        assert silent[f"{name}_predicted"].isnull().all()
 
 
 def test_a_limit_of_second_order_ends_where_the_error_would():

@@ -4,10 +4,11 @@ import numpy as np
 import pytest
 
 from fem_contact import measured_lay
-from persson import SelfAffine
+from persson import SelfAffine, Stretched
 from validation.errors import SceneError
 from validation.scenes.problem import realise
 from validation.scenes.scene import Scene, load_scene
+from validation.scenes.surfaces import spectrum_of
 from validation.scenes.sweep import load_asked
 
 
@@ -38,3 +39,11 @@ def test_waves_longer_than_the_period_are_refused():
     said = load_scene("ground").model_dump(mode="json", exclude_none=True)
     with pytest.raises(ValueError, match="greater than or equal to 1"):
         Scene.model_validate(said | {"surface": said["surface"] | {"stretch": 0.5}})
+
+
+def test_the_spectrum_of_a_ground_surface_has_the_slope_asked_for():
+    found = spectrum_of(load_scene("ground").surface)
+    assert isinstance(found, Stretched)
+    assert found.moments().rms_gradient == pytest.approx(0.1, rel=1e-12)
+    high = load_asked("ground", ["surface.rms_height=1 um", "methods.bem.grids=[64]"])
+    assert spectrum_of(high.surface).moments().rms_height == pytest.approx(1e-6, rel=1e-11)

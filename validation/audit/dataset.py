@@ -57,7 +57,7 @@ class Result:
         self._read: dict[Any, Any] = {}
         self.record = read_record(folder / "result.json")
         if self.record.get("format") != "fem-contact result 2":
-            raise ValueError("result.json is not of this version; run it again")
+            raise ValueError("result.json is not of this version")
         data = _bytes(folder / "data.nc", str(self.record["data"]))
         self.data: Variables = read_dataset(memoryview(data)).variables
         named: Mapping[str, str] = read_record(folder / "shown.json")["files"]

@@ -43,9 +43,8 @@ def _read_along(
         index = tuple(at.get(dim, slice(None)) for dim in variable.dims)
         if np.shape(values) != filled[index].shape:
             return None
-        near = np.isclose(
-            filled[index], values, rtol=1e-9, atol=1e-12 * np.fmax.reduce(np.abs(values), None, initial=0.0)
-        )
+        scale = np.max(np.abs(values), where=np.isfinite(values), initial=0.0)
+        near = np.isclose(filled[index], values, rtol=1e-9, atol=1e-12 * scale)
         filled[index], seen[index] = np.where(seen[index] & ~near, np.nan, values), True
     return filled, seen
 

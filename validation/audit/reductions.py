@@ -58,14 +58,14 @@ def errors_of(result: Result, name: str) -> dict[str, Array]:
 # ---- means -------------------------------------------------------------------------------------------
 
 
-def _samples(one: Reduced, *, paired: bool = True) -> np.ma.MaskedArray[Any, Any]:
-    """Return the single values that were solved, surfaces last; of pairs +h and -h, their means."""
+def _samples(one: Reduced, *, paired: bool = True) -> tuple[Array, Array]:
+    """Return the single values, surfaces last, and which were solved; of pairs +h and -h, their means."""
     each, dims = one["of"], (*one.dims, one.attrs["over"])
-    values = np.ma.masked_array(ordered(each, dims).astype(float), ~_there(one.result, each, dims))
+    values, there = ordered(each, dims).astype(float), _there(one.result, each, dims)
     if not paired or not one.flag("pairs"):
-        return values
-    pairs = values.reshape(*values.shape[:-1], -1, 2)
-    return np.ma.masked_array(pairs.data.mean(axis=-1), pairs.mask.any(axis=-1))
+        return values, there
+    pairs = (*values.shape[:-1], -1, 2)
+    return values.reshape(pairs).mean(axis=-1), np.asarray(np.all(there.reshape(pairs), axis=-1))
 
 
 def _there(result: Result, each: xr.Variable, dims: tuple[Any, ...]) -> Array:
@@ -80,23 +80,26 @@ def _there(result: Result, each: xr.Variable, dims: tuple[Any, ...]) -> Array:
     return np.broadcast_to(np.arange(shape[-1]) < ordered(count, dims), shape)
 
 
-def _mean(values: np.ma.MaskedArray[Any, Any]) -> Array:
-    """Mean over the last axis of what is there; NaN where one of it has no value."""
-    return np.asarray(np.ma.filled(values.mean(axis=-1), np.nan))
+def _mean(values: Array, there: Array) -> Array:
+    """Mean over the last axis of what is there; NaN where one of it has no value, or nothing is there."""
+    count = there.sum(axis=-1)
+    return np.where(count > 0, np.where(there, values, 0.0).sum(axis=-1) / np.maximum(count, 1), np.nan)
 
 
 def _mean_errors(one: Reduced) -> dict[str, Array]:
-    samples, values = _samples(one), _samples(one, paired=False)
-    n, count = samples.count(axis=-1), np.maximum(values.count(axis=-1), 1)
-    half = stdtrit(np.maximum(n - 1, 1), 0.975) * np.ma.sqrt(samples.var(axis=-1, ddof=1) / n)
-    found = {"surfaces": np.asarray(np.ma.filled(half, np.nan))}
+    (samples, kept), (values, there) = _samples(one), _samples(one, paired=False)
+    n, count = kept.sum(axis=-1), np.maximum(there.sum(axis=-1), 1)
+    with np.errstate(invalid="ignore", divide="ignore"):  # of infinite samples, and of one
+        squares = np.where(kept, (samples - _mean(samples, kept)[..., None]) ** 2, 0.0).sum(axis=-1)
+        half = stdtrit(np.maximum(n - 1, 1), 0.975) * np.sqrt(squares / (n - 1) / n)
+    found = {"surfaces": np.where(n > 1, half, np.nan)}
     of, dims = one.attrs["of"], (*one.dims, one.attrs["over"])
     error, drift = (one.result.data.get(f"{of}_{what}") for what in ("error", "drift"))
     if error is drift is None:
         return found
 
     def mean(each: Array) -> Array:
-        return _mean(np.ma.masked_array(np.broadcast_to(each, values.shape), values.mask))
+        return _mean(np.broadcast_to(each, values.shape), there)
 
     grid = np.zeros(np.shape(n))
     if error is not None:
@@ -186,6 +189,8 @@ def _line(one: Reduced) -> Array:
         error = np.array([math.sqrt(np.sum((g - g.mean()) ** 2) / (g.size - 1) / g.size) for g in groups])
         if one.flag("common"):
             error = np.ones(means.size)
+        if not np.isfinite([*means, *error]).all():
+            continue
         weight = 1 / np.maximum(error, 1e-3 * error.max() + 1e-300)
         found[:, *place] = np.polyfit(x[place], means, 1, w=weight / weight.max())[::-1]
     if one.attrs["reduction"] == "line slope":
@@ -223,7 +228,7 @@ REDUCTIONS: Mapping[str, Callable[[Reduced], Array | xr.Variable | None]] = {
     "line limit": _line,
     "line slope": _line,
     "mean distance": _mean_distance,
-    "mean": lambda one: _mean(_samples(one)),
+    "mean": lambda one: _mean(*_samples(one)),
     "polynomial limit": _polynomial,
     "power law": lambda one: _power(one)[2 if one.name.endswith("_factor") else 0],
     "read": from_solves.read,

@@ -21,6 +21,7 @@ from validation.cli.options import (
     option,
     print_json,
     say,
+    show,
 )
 from validation.errors import RunFailed, UsageError
 from validation.report.words import json_ready
@@ -210,7 +211,7 @@ def reference(
     between the computed values by interpolation. With --theory or --csv a theory, or your numbers, are scored
     on all cells instead, as by the study reference-score.
     """
-    from validation.cli.results import print_outputs, print_table, show
+    from validation.cli.results import print_outputs, print_table
     from validation.execution.bench import Bench
     from validation.files import prepare_folder
     from validation.reference import lookup, persson_theory, table

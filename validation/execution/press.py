@@ -42,7 +42,7 @@ _FIELDS = {
 }
 #: In a `ContactResult`, where it has another name there.
 _NAMES = {"contacting_points": "in_contact"}
-_FORMAT = "fem-contact result 1"
+_FORMAT = "fem-contact result 1"  # of one stored solve; folders of results have their own
 
 #: Fields that are mostly zero or one; compressing others costs 50 ms per 256 x 256 points and saves nothing.
 _COMPRESSED = frozenset({"pressure", "contacting_points", "at_bound"})

@@ -111,11 +111,17 @@ _KINDS: dict[tuple[str, ...], str] = {
 
 
 def _recipe(
-    made: dict[str, Any], keep: tuple[str, ...], reduced_pressures: Any, problem: Any, grids: Any
+    made: dict[str, Any],
+    keep: tuple[str, ...],
+    reduced_pressures: Any,
+    problem: ContactProblem,
+    grids: Any,
+    effects: tuple[EffectSpec, ...],
 ) -> dict[str, Any]:
     """Name what is read off, too: a stored result that lacks a number is another one."""
     # P(0+) over a coating stands on E* of the solid below it; it stood on that of the coating.
-    below = ["below"] if any(effect["kind"] == "coating" for effect in made["effects"]) else []
+    surface = ContactModel.filled(problem.elastic, effects).felt_response
+    below = ["below"] if surface.contact_modulus != problem.contact_modulus else []
     more = [name for name in ("stiffness", "slope") if name in keep]
     if not made["effects"]:
         del made["effects"]

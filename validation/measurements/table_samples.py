@@ -212,7 +212,6 @@ def with_size(table: xr.Dataset, small: xr.Dataset, larger: xr.Dataset) -> xr.Da
         scale = abs(small[name]).where(small[name] != 0, 1.0)
         weight = flat(((widths[0] ** 2 + widths[1] ** 2) / scale**2).clip(min=_SURE**2) ** -1.0)
         # So that cells without a scatter leave the others a say.
-
         root = np.minimum(weight, 1e6 * np.median(weight, axis=1, keepdims=True))[..., None] ** 0.5
         change = flat((larger[name] - small[name]) / scale)[..., None]
         # Values of the plane in the cells of the table, of those in the cells that were doubled.
