@@ -208,7 +208,9 @@ def test_a_solver_that_never_returns_costs_its_budget_and_gets_a_card(tmp_path, 
     card = score(Subject(name="endless", solver=solver, settings=settings, seconds=2.0))
     # A child process starts once for each call that was ended.
     assert time.monotonic() - began < 60
-    assert sum(seconds for _, seconds in card.subject._costs) < 4
+    # What a busy machine takes to end a call comes on top: no call begins once the budget is spent.
+    *before, _ = (seconds for _, seconds in card.subject._costs)
+    assert sum(before) < 2
     assert {"load", "tension", "honesty"} <= {verdict.case for verdict in card.failed}
     assert card.left_out["hertz"].startswith("not tried: ")
     assert card.diagnosis.startswith("it gives no answer: endless_toy:solve")
