@@ -114,7 +114,7 @@ def test_contact_and_gap_share_the_nominal_area_and_the_load(fresh):
     assert load == pytest.approx(float(data.pressure), rel=1e-6)
 
 
-@pytest.mark.parametrize("name", ["run", "magnification"])
+@pytest.mark.parametrize("name", ["run", "magnification", "hurst"])
 def test_shares_of_an_error_make_the_whole(name, fresh, numbers):
     data = fresh[0].data if name == "run" else numbers(name)
     judged = 0
