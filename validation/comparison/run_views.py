@@ -43,8 +43,9 @@ HOW_FAR = "How far from Persson's theory?"
 _GRIDS = (
     "Counted: points of the contact set, mean over sub-grid positions; corrected: less the method's edge "
     "constant times edge length times dx; located: the edge placed inside the cells. kappa is the corrected "
-    "area over p*. The residual is the largest of penetration/h_rms, tension/(E* h'_rms), complementarity "
-    "and load error; a tolerance bounds complementarity, and the others by ten times that."
+    "area over p*. The residual is the largest of penetration/h_rms, tension/(E* h'_rms) with E* at the "
+    "surface, complementarity and load error; a tolerance bounds complementarity, and the others by ten "
+    "times that."
 )
 
 
