@@ -135,6 +135,50 @@ def test_a_study_says_how_its_solves_were_made_and_a_changed_one_is_not_reported
     assert files.read_whole(tmp_path / "out" / "data.nc") == bytes(data)
 
 
+def _mark(path):
+    """Make a file older than all code, so that one sees whether it is written again."""
+    os.utime(path, (1e9, 1e9))
+
+
+def test_a_page_of_the_same_numbers_stands_until_it_or_its_code_changes(tmp_path):
+    study, bench = find_study("area"), Bench.at(tmp_path / "s")
+    few = {"grids": (12, 16), "periods": 1.6, "bandwidth": 2.5, "hurst": 0.7, "surfaces": 2}
+    out = prepare_folder(tmp_path / "out")
+
+    def again(seed=21, **how):
+        return run_study(study, study.options(seed=seed, **few), out, bench=bench, **how)
+
+    def kept(*names):
+        return {name for name in names if (out / name).stat().st_mtime == 1e9}
+
+    names = ("result.json", "data.nc", "report.html", "figures/area.svg", "table.csv")
+    first = again()
+    for name in names:
+        _mark(out / name)
+    assert again().files == first.files
+    assert kept(*names) == set(names)
+    # The reader asks for it, or for tables alone.
+    show(out, study_page)
+    assert kept(*names) == {"result.json", "data.nc"}
+    again(report=False)
+    assert not (out / "report.html").exists()
+    assert again().files == first.files
+    # A file that is gone, one that is not what was written, code that is younger: all is written again.
+    for spoil in (
+        lambda: (out / "figures/area.svg").unlink(),
+        lambda: (out / "table.csv").write_text("0"),
+        lambda: _mark(out / "shown.json"),
+    ):
+        _mark(out / "report.html")
+        spoil()
+        assert again().files == first.files
+        assert kept("report.html", "result.json") == {"result.json"}
+        assert (out / "figures/area.svg").exists()
+        assert (out / "table.csv").read_text() != "0"
+    again(seed=22)
+    assert not kept("result.json", "data.nc")
+
+
 def test_numbers_of_a_sweep_or_study_are_sealed(tmp_path):
     data = Numbers(2).do()
     write_numbers(tmp_path / "data.nc", data, recipe={"a": 1})

@@ -8,6 +8,7 @@ made of them alone, now or again, and never read.
 from __future__ import annotations
 
 import contextlib
+import json
 import os
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -19,7 +20,8 @@ import xarray as xr
 from validation.errors import RunFailed, UsageError
 from validation.execution.store import read_numbers, write_numbers
 from validation.files import digest_of, locked, read_record, write_record
-from validation.report.page import Page, write_page
+from validation.registry import versions
+from validation.report.page import Page, standing_page, write_page
 
 RECORD, DATA = "result.json", "data.nc"
 _FORMAT = "fem-contact result 2"
@@ -43,7 +45,10 @@ class Result:
 
 
 def write_results(folder: Path, data: xr.Dataset, **about: Any) -> None:
-    """Write dataset and record of an act into its folder, which the caller has locked; see `Result`."""
+    """Write dataset and record of an act into its folder, which the caller has locked; see `Result`.
+
+    Where it holds both already they stay as they are.
+    """
     result = Result(data=data, **about)
     record = {
         "format": _FORMAT,
@@ -53,6 +58,10 @@ def write_results(folder: Path, data: xr.Dataset, **about: Any) -> None:
         "words": list(result.words),
         "store": os.path.relpath(os.path.realpath(result.store), os.path.realpath(folder)),
     }
+    with contextlib.suppress(UsageError):
+        asked = json.loads(json.dumps(record))
+        if record_of(folder).items() >= asked.items() and read_results(folder).data.identical(data):
+            return
     clear_results(folder)
     write_numbers(folder / DATA, data, recipe=record)
     write_record(folder / RECORD, {**record, "data": digest_of(folder / DATA)})
@@ -149,21 +158,24 @@ class Outputs:
 def leave(
     folder: Path, data: xr.Dataset, page_of: Callable[..., Page], *, report: bool, **record: Any
 ) -> Outputs:
-    """Write dataset and record (`write_results`) of an act into its folder, and `show` them."""
+    """Write dataset and record (`write_results`) of an act into its folder; `show` them if they are new."""
     with locked(folder):
         write_results(folder, data, **record)
-        return show(folder, page_of, report=report)
+        return show(folder, page_of, report=report, anew=False)
 
 
-def show(folder: Path, page_of: Callable[..., Page], *, report: bool = True) -> Outputs:
+def show(folder: Path, page_of: Callable[..., Page], *, report: bool = True, anew: bool = True) -> Outputs:
     """Write the page of what a folder holds; without `report` tables and JSON alone.
 
-    `page_of` makes the page of a `Result`, drawn or not (`figures`).
+    `page_of` makes the page of a `Result`, drawn or not (`figures`). Unless it is to be made `anew`, a page
+    that shows this already, whole and younger than the code that makes it, stays.
 
     A UsageError for a folder that holds no finished results of this version, or others than `page_of` shows.
     """
     with locked(folder):
         result = read_results(folder)
-        page = page_of(result, figures=report)
-        written = write_page(page, folder, numbers_only=not report)
+        of = {"record": digest_of(folder / RECORD), "report": report, "versions": versions()}
+        written = () if anew else standing_page(folder, of)
+        page = page_of(result, figures=report and not written)
+        written = written or write_page(page, folder, numbers_only=not report, of=of)
         return Outputs(result=result, page=page, folder=folder, files=(*written, folder / DATA))

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import base64
+import contextlib
 import hashlib
 import json
+import sys
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -13,7 +15,7 @@ from typing import Any
 import xarray as xr
 
 from validation.errors import harmless
-from validation.files import atomic_path, digest_of, remove_drafts, write_json, write_record
+from validation.files import atomic_path, digest_of, read_record, remove_drafts, write_json, write_record
 from validation.registry import versions
 from validation.report.marks import Drawing, draw, write_drawing
 from validation.report.papers import cited
@@ -115,10 +117,13 @@ def page_of(data: xr.Dataset, views: Views, /, *, figures: bool, **rest: Any) ->
     return Page(**context)
 
 
-def write_page(page: Page, folder: Path, *, numbers_only: bool) -> tuple[Path, ...]:
+def write_page(
+    page: Page, folder: Path, *, numbers_only: bool, of: Mapping[str, Any] | None = None
+) -> tuple[Path, ...]:
     """Write tables, JSON, figures and the report into a folder; return the files, the report first.
 
-    With `numbers_only` figures and report are left out, as they can be made later from what is stored.
+    With `numbers_only` figures and report are left out, as they can be made later from what is stored. `of`
+    is what it shows, by which `standing_page` knows it again.
     """
     written: list[Path] = []
     if page.data is not None:
@@ -129,11 +134,10 @@ def write_page(page: Page, folder: Path, *, numbers_only: bool) -> tuple[Path, .
     if page.summary is not None:
         written.append(write_json(folder / "summary.json", {**page.summary, "papers": list(page.papers)}))
     if numbers_only:
-        clear_page(folder, keep=(*written, _seal(folder, written)))
+        clear_page(folder, keep=(*written, _seal(folder, written, of)))
         return tuple(written)
     figures, report = folder / "figures", folder / "report.html"
-    illustrated = bool(page.figures or page.pictures)
-    if illustrated:
+    if page.figures or page.pictures:
         figures.mkdir(exist_ok=True)
     pictures = [figures / f"{picture.name}.png" for picture in page.pictures]
     for path, picture in zip(pictures, page.pictures, strict=True):
@@ -144,14 +148,44 @@ def write_page(page: Page, folder: Path, *, numbers_only: bool) -> tuple[Path, .
         draft.write_text(render(page, drawn), encoding="utf-8")
     drawings = [folder / file for figure in drawn for file, _ in figure["files"]]
     outputs = [report, *written, *drawings, *pictures]
-    clear_page(folder, keep=(*outputs, _seal(folder, outputs)))
-    return (report, *written, *[figures] * illustrated)
+    clear_page(folder, keep=(*outputs, _seal(folder, outputs, of)))
+    return _listed(folder, outputs)
 
 
-def _seal(folder: Path, files: Collection[Path]) -> Path:
+def _listed(folder: Path, files: Iterable[Path]) -> tuple[Path, ...]:
+    """Return those that a reader is told of: the folder of figures instead of each of them."""
+    return tuple(dict.fromkeys(path if path.parent == folder else path.parent for path in files))
+
+
+def _seal(folder: Path, files: Collection[Path], of: Mapping[str, Any] | None) -> Path:
     """Write the digests of what shows a result, for whoever reads numbers back from there."""
     digests = {str(path.relative_to(folder)): digest_of(path) for path in files}
-    return write_record(folder / "shown.json", {"files": digests})
+    return write_record(folder / "shown.json", {"of": of, "files": digests})
+
+
+def standing_page(folder: Path, of: Mapping[str, Any]) -> tuple[Path, ...]:
+    """Return the files of a page that shows this already, as `write_page` does; none where it is to be made.
+
+    Every file has to be the one that was written, and later than all code that is loaded or in this package.
+    """
+    seal = folder / "shown.json"
+    with contextlib.suppress(OSError, ValueError, KeyError, AttributeError):
+        shown = read_record(seal)
+        files = {folder / name: digest for name, digest in shown["files"].items()}
+        loaded = (getattr(module, "__file__", None) for module in [*sys.modules.values()])
+        ours = (
+            path for path in Path(__file__).parents[1].rglob("*") if path.suffix != ".pyc" and path.is_file()
+        )
+        code = max(
+            path.stat().st_mtime for path in {*map(Path, filter(None, loaded)), *ours} if path.exists()
+        )
+        if (
+            shown["of"] == of
+            and code < seal.stat().st_mtime
+            and all(digest_of(p) == d for p, d in files.items())
+        ):
+            return _listed(folder, files)
+    return ()
 
 
 def clear_page(folder: Path, *, keep: Collection[Path] = ()) -> None:
