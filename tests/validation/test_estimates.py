@@ -12,19 +12,10 @@ from validation.files import digest_of, prepare_folder, write_json, write_record
 from validation.measurements.common import base_case, base_surface
 from validation.measurements.limits import limits_of, solved
 from validation.measurements.measurement import press_on_grids
-from validation.report.estimates import (
-    SOURCES,
-    change,
-    claim,
-    derive,
-    error_of,
-    gather,
-    mean,
-    power_law,
-    total_error,
-)
+from validation.report.estimates import SOURCES, change, claim, derive, error_of, mean, power_law, total_error
 from validation.report.findings import finding
 from validation.report.marks import Figure, Line, Panel, draw
+from validation.report.places import gather
 from validation.report.table import Table
 from validation.report.values import value_of
 from validation.scenes.tables import SolidSpec

@@ -88,7 +88,8 @@ from pydantic import Field
 from validation.measurements.common import base_case, base_surface
 from validation.measurements.limits import limits_of, solved
 from validation.measurements.measurement import press_on_grids
-from validation.report.estimates import gather, mean
+from validation.report.places import gather
+from validation.report.estimates import mean
 from validation.report.findings import finding
 from validation.report.table import Table
 from validation.report.views import Views

@@ -165,7 +165,7 @@ def test_a_page_of_the_same_numbers_stands_until_it_or_its_code_changes(tmp_path
     assert again().files == first.files
     # A file that is gone, one that is not what was written, code that is younger: all is written again.
     for spoil in (
-        lambda: (out / "figures/area.svg").unlink(),
+        (out / "figures/area.svg").unlink,
         lambda: (out / "table.csv").write_text("0"),
         lambda: _mark(out / "shown.json"),
     ):

@@ -16,12 +16,13 @@ import numpy as np
 from validation.arrays import padded
 from validation.cases import TOLERANCES, Check, Verdict
 from validation.execution.results import Outputs, Result, leave
-from validation.report.estimates import derive, gather, power_law
+from validation.report.estimates import derive, power_law
 from validation.report.figure import COLOURS, SYMBOLS
 from validation.report.findings import Finding, finding, note
 from validation.report.marks import Figure, Line, against
 from validation.report.page import Page, page_of
 from validation.report.papers import cited
+from validation.report.places import gather
 from validation.report.quantities import labelled
 from validation.report.table import Column, Table
 from validation.report.values import with_places

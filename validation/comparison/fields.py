@@ -16,7 +16,8 @@ from fem_contact.surface import HeightField, radial_spectrum
 from validation.arrays import Pair, padded
 from validation.comparison.reductions import grid_name, own_solves
 from validation.execution.press import Contacts, Press
-from validation.report.estimates import derive, gather
+from validation.report.estimates import derive
+from validation.report.places import gather
 from validation.report.quantities import labelled
 from validation.scenes.problem import ContactProblem
 from validation.scenes.scene import Scene

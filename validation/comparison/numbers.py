@@ -25,7 +25,8 @@ from validation.measurements.common import LEAST_POINTS_PER_WAVE
 from validation.measurements.limits import ABSENT
 from validation.measurements.measurement import TOLERANCES_LEFT, limit_over, no_limit
 from validation.measurements.statistics import finest_error, order_of_convergence, relative_distance
-from validation.report.estimates import HOLDS, NORMAL, bare, derive, error_of, gather, mean, mean_of
+from validation.report.estimates import HOLDS, NORMAL, bare, derive, error_of, mean, mean_of
+from validation.report.places import gather
 from validation.report.quantities import as_length, labelled
 from validation.scenes.problem import ContactProblem
 from validation.scenes.scene import Scene

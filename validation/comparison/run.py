@@ -28,9 +28,9 @@ from validation.execution.press import Press, run_solves
 from validation.execution.provenance import SOLVES_MADE, made_words
 from validation.execution.results import Outputs, Result, clear_results, leave, record_of, show
 from validation.files import atomic_path, locked, prepare_folder
-from validation.report.estimates import gather
 from validation.report.page import Page, Picture, clear_page, page_of
 from validation.report.papers import CITED_FOR
+from validation.report.places import gather
 from validation.report.quantities import as_length, in_prefixed_unit, in_shown_unit, labelled, quantity_of
 from validation.sandbox import Child
 from validation.scenes.checks import check_scene

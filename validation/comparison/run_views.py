@@ -11,9 +11,10 @@ import xarray as xr
 
 from validation.comparison.reductions import DIFFERENCES
 from validation.comparison.treatment import STATISTICS, treatment_findings, treatment_table
-from validation.report.estimates import derive, each, sources_of, total_error
+from validation.report.estimates import derive, sources_of, total_error
 from validation.report.findings import Finding, finding, note
 from validation.report.marks import Image, Level, Line, against
+from validation.report.places import each
 from validation.report.quantities import quantity
 from validation.report.values import Value, value_of
 from validation.report.views import MOST_FINDINGS, Card, Figure, Listing, Table, Views

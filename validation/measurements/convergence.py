@@ -21,16 +21,8 @@ from validation.measurements.common import SHIFTS, base_case, base_surface
 from validation.measurements.limits import Measured, limits_of
 from validation.measurements.measurement import grid_tolerance, grids_for, press_on_grids
 from validation.measurements.statistics import pair_means
-from validation.report.estimates import (
-    LIMIT,
-    change,
-    derive,
-    error_of,
-    gather,
-    mean,
-    solved_places,
-    total_error,
-)
+from validation.report.estimates import LIMIT, change, derive, error_of, mean, solved_places, total_error
+from validation.report.places import gather
 from validation.scenes.surfaces import spectrum_of
 from validation.scenes.tables import SelfAffineSurface
 

@@ -17,17 +17,8 @@ from validation.execution.bench import Bench
 from validation.execution.measurement import Call
 from validation.measurements.limits import ABSENT, solved, stored_variables, two_grid_limit, value_at_zero
 from validation.measurements.measurement import AREAS, area_limits
-from validation.report.estimates import (
-    NORMAL,
-    bare,
-    claim,
-    derive,
-    error_of,
-    gather,
-    mean,
-    nearest,
-    ratio_of_means,
-)
+from validation.report.estimates import NORMAL, bare, claim, derive, error_of, mean, ratio_of_means
+from validation.report.places import gather, nearest
 
 #: d ln A / d ln V of the theory from which on the contact is not full.
 TOUCHED = -0.05

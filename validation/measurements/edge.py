@@ -21,7 +21,7 @@ from validation.execution.measurement import measurement
 from validation.measurements.common import reduced_load
 from validation.measurements.limits import solve_of, solved, value_at_zero
 from validation.measurements.measurement import grid_for
-from validation.report.estimates import gather
+from validation.report.places import gather
 from validation.scenes.problem import ContactProblem
 from validation.solvers import find_solver
 from validation.solvers.base import Settings

@@ -24,7 +24,8 @@ from validation.measurements.limits import Measured, limit_dataset, limits_of, s
 from validation.measurements.measurement import PATCH_EDGES, STRESS_EDGES, limit_over, no_limit, stored_areas
 from validation.measurements.references import published
 from validation.measurements.statistics import order_of_convergence, weighted_percentile
-from validation.report.estimates import change, claim, claim_shares, derive, error_of, gather, mean
+from validation.report.estimates import change, claim, claim_shares, derive, error_of, mean
+from validation.report.places import gather
 from validation.scenes.problem import ContactProblem
 from validation.scenes.tables import SelfAffineSurface
 from validation.solvers import find_solver

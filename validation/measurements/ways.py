@@ -12,7 +12,8 @@ import xarray as xr
 from numpy.typing import ArrayLike
 
 from validation.measurements.measurement import area_limits
-from validation.report.estimates import error_of, gather
+from validation.report.estimates import error_of
+from validation.report.places import gather
 
 #: Definitions of the area.
 AREAS = ("pixel", "perimeter", "subcell")

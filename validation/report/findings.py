@@ -18,7 +18,7 @@ from typing import Any
 import xarray as xr
 
 from validation.errors import UsageError
-from validation.report.estimates import each
+from validation.report.places import each
 from validation.report.quantities import quantity
 from validation.report.values import Value, known, values_of
 

@@ -23,7 +23,8 @@ from validation.arrays import Pair
 from validation.errors import UsageError
 from validation.files import atomic_path
 from validation.netcdf import dataset_bytes
-from validation.report.estimates import each, optional, shown_sources, total_error
+from validation.report.estimates import optional, shown_sources, total_error
+from validation.report.places import each
 from validation.report.quantities import (
     Quantity,
     named_at,

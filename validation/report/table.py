@@ -14,7 +14,8 @@ import xarray as xr
 
 from validation.errors import UsageError
 from validation.files import atomic_path
-from validation.report.estimates import SOURCES, SPECTRAL, each, sources_of, total_error
+from validation.report.estimates import SOURCES, SPECTRAL, sources_of, total_error
+from validation.report.places import each
 from validation.report.quantities import place_words, prefixed_unit, quantity, quantity_of, written_unit
 from validation.report.values import Value, known, value_of
 from validation.report.words import with_error

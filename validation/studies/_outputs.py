@@ -13,9 +13,10 @@ from fem_contact.extrapolation import LEAST_CONTACT_POINTS
 from validation.effects import effect_kinds
 from validation.execution.provenance import SOLVES_MADE, made_words
 from validation.execution.results import Outputs, Result, leave
-from validation.report.estimates import derive, each, sources_of, total_error
+from validation.report.estimates import derive, sources_of, total_error
 from validation.report.page import Page, page_of
 from validation.report.papers import CITED_FOR
+from validation.report.places import each
 from validation.report.quantities import in_prefixed_unit, place_words, quantity
 from validation.report.views import Card, Views
 from validation.report.words import percent

@@ -15,7 +15,7 @@ from validation.errors import RunFailed, SolvesFailed, UsageError
 from validation.execution.bench import Bench
 from validation.execution.measurement import Call, measurement
 from validation.measurements.limits import ABSENT, Measured, read_off, solved, stored_variables
-from validation.report.estimates import gather
+from validation.report.places import gather
 from validation.report.quantities import labelled
 from validation.report.table import budget_table
 from validation.report.values import with_places

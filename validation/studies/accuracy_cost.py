@@ -21,7 +21,8 @@ from validation.measurements.external_codes import (
 )
 from validation.measurements.measurement import area_limits, grids_for, press_on_grids
 from validation.measurements.ways import AREAS, chosen_ways, covered, way, ways_of_bem
-from validation.report.estimates import NORMAL, error_of, gather
+from validation.report.estimates import NORMAL, error_of
+from validation.report.places import gather
 from validation.report.views import Figure, Finding, Level, Line, Panel, Table, Views, against, finding, note
 from validation.studies._options import Methods, ReducedPressure, Seed, Surfaces
 from validation.studies._scene import PressedOptions, SolverRequest

@@ -22,7 +22,8 @@ from validation.effects.hardness import Hardness
 from validation.measurements.adhesive import Sticking
 from validation.measurements.common import base_case
 from validation.measurements.limits import straight_limit
-from validation.report.estimates import claim, derive, gather, mean, same_of_all
+from validation.report.estimates import claim, derive, mean, same_of_all
+from validation.report.places import gather
 from validation.report.views import (
     Figure,
     Finding,

@@ -26,7 +26,8 @@ from validation.measurements.adhesive import (
 )
 from validation.measurements.common import RisingSeveral, base_case, in_rising_order
 from validation.measurements.limits import straight_limit
-from validation.report.estimates import claim, derive, gather, mean, same_of_all
+from validation.report.estimates import claim, derive, mean, same_of_all
+from validation.report.places import gather
 from validation.report.views import Figure, Findings, Line, Table, Views, against, finding
 from validation.scenes.problem import ContactProblem
 from validation.scenes.tables import SolidSpec

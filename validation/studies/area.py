@@ -12,7 +12,8 @@ import xarray as xr
 from validation.arrays import Grid
 from validation.measurements.common import Rising
 from validation.measurements.limits import limit_of, resolved_grids
-from validation.report.estimates import derive, gather, mean, spread
+from validation.report.estimates import derive, mean
+from validation.report.places import gather, spread
 from validation.report.views import Figure, Table, Views, against, finding, note
 from validation.studies._options import Bandwidth, Periods, Seed, Surfaces
 from validation.studies._scene import PressedOptions

@@ -17,7 +17,8 @@ from validation.measurements.diffusion import HALF, SQUARE_TERMS, budgets_of, wi
 from validation.measurements.edge import slopes_of
 from validation.measurements.measurement import even_points
 from validation.measurements.rings import PROFILE_EDGES, RING, chain, probe, ring_ends
-from validation.report.estimates import claim, derive, gather, nearest
+from validation.report.estimates import claim, derive
+from validation.report.places import gather, nearest
 from validation.report.views import Figure, Findings, Line, Table, Views, against, finding, panels_along
 from validation.scenes.problem import ContactProblem
 from validation.studies._options import Hurst, Seed, StudyOptions, Surfaces

@@ -11,7 +11,8 @@ from validation.measurements.common import SHIFTS, Rising, RisingSeveral, base_c
 from validation.measurements.flow import stiffness_of
 from validation.measurements.measurement import grids_for, press_on_grids
 from validation.measurements.theory import WITH_ENERGY
-from validation.report.estimates import claim, derive, mean, same_of_all, spread
+from validation.report.estimates import claim, derive, mean, same_of_all
+from validation.report.places import spread
 from validation.report.views import Figure, Findings, Level, Table, Views, against, finding
 from validation.studies._options import Bandwidth, Shifts, SurfaceOptions, Surfaces
 from validation.studies._study import ABSENT, Bench, Call, gathered

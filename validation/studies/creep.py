@@ -19,7 +19,8 @@ from validation.arrays import Array, Grid
 from validation.measurements.common import in_rising_order
 from validation.measurements.measurement import press_elastic
 from validation.measurements.theory import RANKED, VARIANTS, variant_areas
-from validation.report.estimates import derive, error_of, mean, same_of_all, spread
+from validation.report.estimates import derive, error_of, mean, same_of_all
+from validation.report.places import spread
 from validation.report.views import Figure, Findings, Table, Views, against, finding
 from validation.scenes.problem import ContactProblem
 from validation.studies._rubber import RubberOptions

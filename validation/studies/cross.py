@@ -8,7 +8,8 @@ import xarray as xr
 from pydantic import Field, model_validator
 
 from validation.measurements.common import Rising, RisingOrNone
-from validation.report.estimates import derive, each, mean, power_law, reduce
+from validation.report.estimates import derive, mean, power_law, reduce
+from validation.report.places import each
 from validation.report.views import Figure, Table, Views, against, finding, note
 from validation.scenes.problem import ContactProblem
 from validation.scenes.scene import Scene

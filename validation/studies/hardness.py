@@ -25,7 +25,8 @@ from validation.execution.press import Press
 from validation.measurements.common import BASE_SOLID, Counts, base_case
 from validation.measurements.grids import squared_gradient
 from validation.measurements.limits import straight_limit
-from validation.report.estimates import claim, derive, gather, mean, spread
+from validation.report.estimates import claim, derive, mean
+from validation.report.places import gather, spread
 from validation.report.views import (
     Column,
     Figure,

@@ -17,7 +17,8 @@ from validation.arrays import Grid
 from validation.measurements.common import Rising, base_case
 from validation.measurements.flow import located_area
 from validation.measurements.measurement import elastic_path, grid_for
-from validation.report.estimates import claim, derive, gather, mean, spread
+from validation.report.estimates import claim, derive, mean
+from validation.report.places import gather, spread
 from validation.report.views import Figure, Findings, Level, Line, Table, Views, against, finding
 from validation.scenes.problem import ContactProblem
 from validation.scenes.surfaces import spectrum_of

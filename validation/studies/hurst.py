@@ -17,7 +17,8 @@ from validation.measurements.limits import limits_of
 from validation.measurements.measurement import TOLERANCES_LEFT, grid_for
 from validation.measurements.references import ladders_beside_published, papers_of, published
 from validation.measurements.theory import RANKED, VARIANTS, ensemble_area, with_variants
-from validation.report.estimates import change, claim_shares, derive, gather, mean
+from validation.report.estimates import change, claim_shares, derive, mean
+from validation.report.places import gather
 from validation.solvers import chosen_solver
 from validation.studies._hurst_views import views as views
 from validation.studies._options import (

@@ -14,7 +14,8 @@ from persson.percolation import SITE_THRESHOLD
 from validation.measurements.common import Rising, base_case
 from validation.measurements.flow import GAP_THEORIES, NARROW, flow_of, leaks
 from validation.measurements.measurement import grid_for
-from validation.report.estimates import claim, derive, mean, same_of_all, spread
+from validation.report.estimates import claim, derive, mean, same_of_all
+from validation.report.places import spread
 from validation.report.views import (
     Figure,
     Findings,

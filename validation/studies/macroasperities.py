@@ -16,7 +16,8 @@ from persson.separation import macroasperity_magnification
 from validation.measurements.common import Rising, RisingOrNone, RisingSeveral, base_case
 from validation.measurements.flow import magnified
 from validation.measurements.measurement import grid_for
-from validation.report.estimates import claim, derive, gather, mean, nearest, ratio_of_means
+from validation.report.estimates import claim, derive, mean, ratio_of_means
+from validation.report.places import gather, nearest
 from validation.report.views import Figure, Finding, Findings, Level, Line, Table, Views, against, finding
 from validation.scenes.problem import ContactProblem
 from validation.studies._options import Bandwidth, Periods, SurfaceOptions, Surfaces

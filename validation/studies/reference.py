@@ -17,7 +17,8 @@ from validation.measurements.table_samples import QUANTITIES, SampledSpectrum, j
 from validation.measurements.theory import VARIANTS, with_variants
 from validation.reference.citable import citable
 from validation.reference.fit import at_equal_alpha
-from validation.report.estimates import claim, derive, gather, total_error
+from validation.report.estimates import claim, derive, total_error
+from validation.report.places import gather
 from validation.report.views import Figure, Findings, Line, Table, Views, against, finding, panels_along
 from validation.studies._options import Periods, Seed, StudyOptions
 from validation.studies._study import Bench, solved

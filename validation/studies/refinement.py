@@ -26,7 +26,8 @@ from validation.measurements.limits import solver_error
 from validation.measurements.measurement import TOLERANCE, grids_for, press_on_grids
 from validation.measurements.references import beside_published, papers_of
 from validation.measurements.theory import ensemble_area
-from validation.report.estimates import claim_shares, gather
+from validation.report.estimates import claim_shares
+from validation.report.places import gather
 from validation.studies._options import Element, Hurst, Methods, ReducedPressure, Shifts, Surfaces
 from validation.studies._refinement_views import views as views
 from validation.studies._scene import PressedOptions, SolverRequest

@@ -24,7 +24,8 @@ from validation.errors import UsageError
 from validation.files import read_whole
 from validation.measurements.common import RisingSeveral, in_rising_order
 from validation.measurements.theory import RANKED, VARIANTS, variant_areas, wave_powers
-from validation.report.estimates import claim, derive, mean, same_of_all, spread
+from validation.report.estimates import claim, derive, mean, same_of_all
+from validation.report.places import spread
 from validation.report.values import Value
 from validation.report.views import Figure, Findings, Table, Views, against, finding
 from validation.scenes.problem import ContactProblem

@@ -18,7 +18,7 @@ from fem_contact.contact import Status
 from fem_contact.errors import FemContactError
 from persson.errors import PerssonError
 from validation.measurements.hard_cases import CASES, HardCase, elastic_cases
-from validation.report.estimates import gather
+from validation.report.places import gather
 from validation.report.views import Figure, Finding, Level, Line, Table, Views, against, finding
 from validation.solvers import chosen_solver
 from validation.studies._options import AnyMethods, StudyOptions

@@ -10,7 +10,8 @@ from persson import elastic
 from validation.errors import UsageError
 from validation.measurements.common import Rising
 from validation.measurements.edge import edge_limits, edge_of_contact, start_of_pressure
-from validation.report.estimates import change, derive, gather, mean, power_law, spread
+from validation.report.estimates import change, derive, mean, power_law
+from validation.report.places import gather, spread
 from validation.report.views import Figure, Findings, Level, Line, Table, Views, against, finding
 from validation.studies._options import Bandwidth, Methods, ReducedPressure, Surfaces
 from validation.studies._scene import PressedOptions
