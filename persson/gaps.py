@@ -48,7 +48,7 @@ def gap_distribution(gap: ArrayLike, *, pressure: float, scale: Scale, energy_ra
     distance u_1(zeta) from the other surface; roughness with q > zeta q_0, of rms height h(zeta),
     scatters the gap about it, and what would overlap is folded back. ubar(zeta) is the mean separation in
     the contact seen at zeta, under the pressure sigma_0 A_0 / A(zeta) and with the shorter waves alone.
-    Almqvist, Campana, Prodanov and Persson, J. Mech. Phys. Solids 59, 2355 (2011), arXiv:1102.5412;
+    Almqvist, Campañá, Prodanov and Persson, J. Mech. Phys. Solids 59, 2355 (2011), arXiv:1102.5412;
     derived again here from that picture, since only the abstract was at hand. The folding makes the mean
     of P exceed `mean_separation`: by 2, 17 and 48 % at p* = .01, .1 and .3. Quantiles agree with boundary
     elements within 10 % from p* = .05 to .3 with g = .45.
