@@ -60,7 +60,7 @@ class Child:
         self._stderr: IO[bytes] = io.BytesIO()
         self._owner = os.getpid()
         #: Of the process that was started last, and whether the function of the last call was imported.
-        self.pid, self.begun = 0, False
+        self.pid, self.imported = 0, False
 
     def call(
         self,
@@ -158,13 +158,13 @@ class Child:
         """Send a call, and return value and error once it has ended."""
         connection, late, limit = self._connection, threading.Event(), _START_SECONDS
         assert connection is not None
-        self.begun = False
+        self.imported = False
         try:
             with self._ended_after(limit, late):
                 _send(connection, request)
                 if (failure := _received(connection)) is not None:
                     return None, failure
-            self.begun, limit = True, seconds
+            self.imported, limit = True, seconds
             with self._ended_after(limit, late):
                 value, error = _received(connection, most_bytes)
                 return value, error

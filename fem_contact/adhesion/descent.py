@@ -26,7 +26,7 @@ from fem_contact.settings import Settings
 
 
 class Landscape:
-    """The energy per point of one surface, one solid and one law, at a given mean pressure or offset.
+    """The energy of one surface, one solid and one law; what is held, a `Point` says.
 
     With a `hardness`, the largest pressure H [Pa], gaps may be negative.
     """
@@ -173,6 +173,7 @@ class _State:
         self._judge(open_ | (self.gradient < 0))
 
     def _update_yielding(self, hardness: float | Array) -> None:
+        """Take the forces and free points of a solid that yields [Pa], whose mean pressure is held."""
         assert self.point.mean_pressure is not None
         self.load = self.point.mean_pressure
         pressure = self.force + self.load

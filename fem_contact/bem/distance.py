@@ -77,7 +77,10 @@ class LoadSearch:
         return applied(self.problem.operator, self.problem.heights, force, pairs=2.0)
 
     def _search(self, upper: float) -> Solution:
-        """Secant steps in the logarithm of the load, kept inside a shrinking bracket."""
+        """Secant steps in the logarithm of the load, inside a shrinking bracket from 0 to `upper` [Pa].
+
+        There all points touch, or yield. A positive `miss` is too small a load.
+        """
         problem, modulus = self.problem, self.problem.response.contact_modulus
         tolerance = problem.settings.tolerance
         gradient = problem.surface.rms_gradient

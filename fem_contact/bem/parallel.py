@@ -45,7 +45,7 @@ _FIELDS = {
 
 
 def communicator() -> Any:
-    """Return all processes of MPI, of which there may be one.
+    """Return the communicator of all processes, MPI.COMM_WORLD; there may be one.
 
     Raises
     ------

@@ -55,6 +55,7 @@ class Problem:
         if abs(mean) > _DISTANT * surface.rms_height:
             self.heights, self.level = self.heights - mean, mean
         if bound is not None:
+            # A number fills the rows that are here; of a field of the whole `put` takes them.
             bound = bound_of("pressure_bound", bound, surface.shape)
             bound = np.array(np.broadcast_to(bound, surface.shape if bound.ndim else surface.heights.shape))
         self.surface, self.response, self.settings, self.method = surface, response, settings, method

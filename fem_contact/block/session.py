@@ -129,6 +129,7 @@ class Session:
             pressure_bound = bound_of("pressure_bound", pressure_bound, surface.shape) / solid.young
             pressure_bound = np.array(np.broadcast_to(pressure_bound, surface.shape))
         self.surface, self.solid, self.method = surface, solid, method
+        self._latest: Answer | None = None
         self.problem = Problem(
             mesh=mesh,
             heights=(surface.heights - self.top) / self.width,
@@ -142,8 +143,10 @@ class Session:
             bound=pressure_bound,
         )
 
-    def at_pressure(self, mean_pressure: float, start: Mask | BlockSolution | None) -> BlockSolution:
-        """Solve at a mean pressure [Pa], from a first set or a solution of this session."""
+    def at_pressure(
+        self, mean_pressure: float, start: Mask | None = None, *, continued: bool = False
+    ) -> BlockSolution:
+        """Solve at a mean pressure [Pa], from a first set of nodes, or `continued` from the last answer."""
         pressure = mean_pressure / self.solid.young
         if not 1 / _STIFFEST < pressure < _STIFFEST:
             raise InvalidInput(
@@ -156,10 +159,8 @@ class Session:
                 f"pressure_bound with mean {problem.mean_bound * self.solid.young:.6g} Pa: must not be below "
                 f"mean_pressure = {mean_pressure:.6g} Pa, or nothing carries the load"
             )
-        first: Mask | Answer | None = None
-        if isinstance(start, BlockSolution):
-            first = self._latest
-        elif start is not None:
+        first: Mask | Answer | None = self._latest if continued else None
+        if start is not None:
             shape = self.surface.shape
             if start.shape != shape or start.dtype != np.bool_:
                 raise InvalidInput(f"start = {shown(start)}: must be an array of bool of shape {shape}")
@@ -171,7 +172,7 @@ class Session:
         offset = (finite("offset", offset) - self.top) / self.width
         problem = replace(self.problem, offset=offset)
         if offset >= 0:
-            answer = _apart(problem)
+            answer = _apart(problem, self.method)
         elif self.method == "full":
             answer = self._find(problem, None)
         else:
@@ -262,7 +263,7 @@ class Session:
         )
 
 
-def _apart(problem: Problem) -> Answer:
+def _apart(problem: Problem, method: Method) -> Answer:
     """Nothing touches."""
     shape, zero = problem.mesh.shape, np.zeros(problem.mesh.shape)
     assert problem.offset is not None
@@ -275,7 +276,7 @@ def _apart(problem: Problem) -> Answer:
         status=Status.CONVERGED,
         iterations=0,
         bytes=3 * zero.nbytes,
-        method="reduced",
+        method=method,
         note="no contact",
         field=np.zeros((*shape, problem.mesh.planes.size, 3)),
     )

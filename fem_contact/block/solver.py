@@ -190,11 +190,4 @@ def solve_path(
     """
     loads = positives("mean_pressures", mean_pressures)
     session = Session(surface, solid, **options)
-    return _path(session, loads)
-
-
-def _path(session: Session, loads: list[float]) -> Iterator[BlockSolution]:
-    previous: BlockSolution | None = None
-    for load in loads:
-        previous = session.at_pressure(load, previous)
-        yield previous
+    return (session.at_pressure(load, continued=True) for load in loads)

@@ -94,10 +94,10 @@ def test_a_call_may_use_the_processor_for_all_its_time():
 
 def test_a_crash_is_said_with_its_signal():
     with Child() as child:
-        assert not child.begun
+        assert not child.imported
         with pytest.raises(OutOfBounds, match=r"crashed its process \(SIGSEGV\)"):
             child.call(signal.raise_signal, int(signal.SIGSEGV), seconds=20)
-        assert child.begun
+        assert child.imported
         assert child.call(math.gcd, 4, 6, seconds=20) == 2
 
 

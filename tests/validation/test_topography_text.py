@@ -39,6 +39,14 @@ def test_text_is_read_however_its_numbers_are_parted(tmp_path, name, raw):
     assert_array_equal(file_says(path).heights, NUMBERS)
 
 
+@pytest.mark.parametrize(("delimiter", "comma"), [(" ", False), ("\t", True), (";", True), (", ", False)])
+def test_a_map_may_begin_with_a_missing_point(tmp_path, delimiter, comma):
+    holed = NUMBERS.copy()
+    holed[0, 0] = np.nan
+    (tmp_path / "holed.txt").write_text(written(holed, delimiter, comma=comma))
+    assert_array_equal(file_says(tmp_path / "holed.txt").heights, holed)
+
+
 @pytest.mark.parametrize("encoding", ["utf-8", "latin-1"])
 def test_the_header_that_gwyddion_writes_says_size_and_unit(tmp_path, encoding):
     path = tmp_path / "gwyddion.txt"

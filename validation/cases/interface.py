@@ -42,17 +42,17 @@ def _balance() -> Checks:
     contact = state.contact
     geometry = contact.displacement - surface.heights + contact.offset - contact.gap
     pull = contact.pressure + _LAW.traction(contact.gap)
-    # u-hat = 2 p-hat / (E* q), without its mean.
+    # u-hat = 2 p-hat / (E* q), without its mean; E* = 1, L = 1.
     q = 2 * math.pi * np.fft.fftfreq(24, 1 / 24)
     size = np.hypot(q[:, None], q[None, :])
     size[0, 0] = np.inf
     moved = np.fft.ifft2(2 / size * np.fft.fft2(contact.pressure)).real
     energy = np.mean(0.5 * contact.pressure * moved + _LAW.energy(contact.gap))
-    strain = moved - (contact.displacement - contact.displacement.mean())
+    mismatch = moved - (contact.displacement - contact.displacement.mean())
     pulled = pull[~contact.in_contact] / _LAW.strength
     yield below("gap - (u - h + offset) over h_rms", geometry / surface.rms_height, 1e-12)
     yield below("force on a free point over the strength", pulled, 1e-6)
-    yield below("displacement of the pressure, over h_rms", strain / surface.rms_height, 1e-9)
+    yield below("displacement of the pressure, over h_rms", mismatch / surface.rms_height, 1e-9)
     yield relative("elastic and gap energy [J/m^2]", state.energy, energy, 1e-9)
 
 

@@ -84,11 +84,12 @@ def with_distribution(data: xr.Dataset, shown: Contacts, scene: Scene, problem: 
     """Add P(sigma) on every grid near zero, on the finest to its end, and that of the theory.
 
     All have the same bins, as many as the contact with the fewest points carries; shifts are averaged. With
-    adhesion it begins at the most negative pressure, since some points are pulled.
+    adhesion it begins at the most negative pressure, since some points are pulled. Densities are times the
+    pressure scale, stresses over it.
     """
     unit, options = float(data.pressure_scale), scene.methods.options("theory")
     groups: dict[tuple[str, str], list[ContactResult]] = {}
-    for solve, result in shown.items():
+    for solve, result in sorted(shown.items(), key=lambda pair: math.prod(pair[0].grid)):
         groups.setdefault((solve.method, grid_name(solve.grid)), []).append(result)
     lowest = 0.0
     if data.attrs.get("adhesive"):
@@ -143,7 +144,8 @@ def below(data: xr.Dataset, scene: Scene, results: Contacts) -> xr.Dataset:
 def _pressed(scene: Scene, results: Mapping[Press, Any], *, finest: bool = False) -> list[Press]:
     """List the solves whose pressures lie on the response of a solid: a mesh has a stress of its own."""
     solves = [solve for solve in own_solves(scene, results) if solve.is_own and not solve.solver.sinks]
-    return list({solve.method: solve for solve in solves}.values()) if finest else solves
+    by_size = sorted(solves, key=lambda solve: math.prod(solve.grid))
+    return list({solve.method: solve for solve in by_size}.values()) if finest else solves
 
 
 def write_below(scene: Scene, results: Contacts, folder: Path) -> Iterator[Path]:

@@ -198,9 +198,10 @@ def _link_blocks(results: Solves, folder: Path) -> Iterator[Path]:
 def sweep_data(sweep: Sweep, cases: Sequence[ContactProblem], results: Solves) -> xr.Dataset:
     """Gather the numbers of all cases over the swept keys, or over `case` where these run side by side."""
     parts = [_case(*pair, results) for pair in zip(sweep.scenes, cases, strict=True)]
+    # Attributes that differ go where the parts are made alike.
     doubts = list(filter(None, (str(part.attrs.get("doubts", "")) for part in parts)))
     parts = _alike(parts)
-    if "contact_modulus" not in parts[0]:
+    if "contact_modulus" not in parts[0]:  # all cases failed
         raise RunFailed("; ".join(dict.fromkeys(part.failures.item() for part in parts)))
     names = [key.name for key in sweep.keys]
     parts = [part.drop_vars(names, errors="ignore") for part in parts]
@@ -350,7 +351,7 @@ def _picture(result: Result) -> tuple[Picture | None, str]:
     return render_stored(result.store / f"{key}.nc", label=f"{solver} on {keys.grid[g].item()}")
 
 
-def render_stored(solve: Path, *, label: str) -> tuple[Picture | None, str]:
+def render_stored(stored: Path, *, label: str) -> tuple[Picture | None, str]:
     """Return a picture of the deformed surface of a stored solve, or None and the reason why there is none.
 
     It is done in a process of its own: without a display or a graphics driver the renderer may not only fail
@@ -359,7 +360,7 @@ def render_stored(solve: Path, *, label: str) -> tuple[Picture | None, str]:
     with tempfile.TemporaryDirectory() as folder, Child() as worker:
         image = Path(folder) / "surface-3d.png"
         try:
-            worker.call(_render, solve, image, seconds=_PATIENCE)
+            worker.call(_render, stored, image, seconds=_PATIENCE)
         except Exception as error:  # its own, or that of the process it takes with it
             return None, f"off-screen rendering does not work here: {error}{worker.last_words()}"
         png = image.read_bytes()
@@ -370,10 +371,10 @@ def render_stored(solve: Path, *, label: str) -> tuple[Picture | None, str]:
     return Picture(name="surface-3d", png=png, caption=caption), ""
 
 
-def _render(solve: Path, image: Path) -> None:
+def _render(stored: Path, image: Path) -> None:
     from fem_contact.export import render_surface
     from validation.execution.press import decode_result
     from validation.execution.store import read_numbers
 
     # The renderer chooses the format by the suffix.
-    render_surface(image, read_numbers(solve, decode_result))
+    render_surface(image, read_numbers(stored, decode_result))

@@ -115,8 +115,9 @@ class _Processes:
         return future.result()
 
     def _attempt(self, solve: Solve) -> Outcome:
+        """Solve on an idle worker, in a thread of the pool; `Died` is caught by `scheduled`."""
         # Taken here, not by who submits: an interruption in between would leave a worker that nobody has.
-        worker, ready = self.idle.pop(), False
+        worker, began = self.idle.pop(), False
         try:
             if self.ending:
                 return Outcome(error="interrupted", fatal=True)
@@ -127,17 +128,17 @@ class _Processes:
                 why = f"no worker process can be started ({error.strerror}); {remedy}"
                 return Outcome(error=why, fatal=True)
             worker.call(warm_up, [solve])
-            ready = True
+            began = True
             outcome: Outcome = worker.call(attempt_in_worker, solve, self.store)
             return outcome
         except OutOfBounds:
             remove_drafts(self.store.folder, of=worker.pid)
             if self.store.path(solve).exists():  # it died after its work was done
                 return Outcome()
-            raise Died(worker.last_words(), begun=ready) from None
+            raise Died(worker.last_words(), begun=began) from None
         except Exception as error:
             why = f"{type(error).__name__}: {error}"
-            if not worker.begun:
+            if not worker.imported:
                 why = (
                     f"a worker process cannot import what it solves ({error}); define that in a module, not "
                     "in the script or notebook that runs it, or take one worker"

@@ -145,7 +145,7 @@ def _path(factor: float) -> Measured:
 
 
 def elastic_cases(method: str) -> tuple[HardCase, ...]:
-    """Return the hard cases of the half-space that any solver can be put through, by its name or a function."""
+    """Return the hard cases of the half-space that any solver can be put through, by name or ``module:function``."""
     press: _Press
     press, ending = _bem, ""
     if method != "bem":

@@ -232,7 +232,10 @@ def pressed_path(
     tolerance: float,
     effects: tuple[EffectSpec, ...] = (),
 ) -> Iterator[ContactResult]:
-    """Solve the loads of one grid in order, each from the one before; only one result is held at a time."""
+    """Solve loads p* of one grid in order, one result at a time: without effects each from the one before.
+
+    p* is with the gradient of the whole surface of the problem, not that of `field`.
+    """
     pressures = [reduced * problem.pressure_scale for reduced in loads]
     if not effects:
         return elastic_path(field, problem.elastic, pressures, tolerance=tolerance)

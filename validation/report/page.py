@@ -208,13 +208,14 @@ def clear_page(folder: Path, *, keep: Collection[Path] = ()) -> None:
 
 
 def _embedded(drawing: Drawing, files: tuple[Path, ...]) -> dict[str, Any]:
+    """Return what the template shows of a figure, of whose files the first is the SVG."""
     from markupsafe import Markup
 
     from validation.report.figure import embeddable
 
     svg = embeddable(files[0].read_text(encoding="utf-8"), drawing.name, words=drawing.caption)
     figure, links = drawing.figure, []
-    for path in files:  # csv, or csv (mode, load) for the numbers along other dimensions
+    for path in files:  # svg, pdf, csv, nc; csv (mode, load) of numbers along other dimensions
         along = path.stem.removeprefix(drawing.name).strip("-").replace("-", ", ")
         links.append((f"figures/{path.name}", path.suffix[1:] + (f" ({along})" if along else "")))
     return {

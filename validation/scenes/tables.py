@@ -457,7 +457,7 @@ class RunOptions(Table):
 
 
 def not_led_out(path: Path, *, of: Path, option: str) -> Path:
-    """Refuse a folder that a link leads out of another; what came with a scene may hold such links."""
+    """Return a path; a UsageError where a link in it, which may have come with a scene, leads out of `of`."""
     led = Path(os.path.realpath(path))  # of a link to itself, itself
     if not led.is_relative_to(os.path.realpath(of)):
         raise UsageError(

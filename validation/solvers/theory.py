@@ -184,7 +184,7 @@ def _in_closed_form(pressure: float, hardness: float | None, variance: float | A
 def adhesive_contact(
     inputs: TheoryInputs, pressure: float, options: TheoryOptions, *, scale: Scale
 ) -> AdhesiveContact:
-    """Contact with adhesion, by the readings that were chosen."""
+    """Contact with adhesion at a pressure [Pa]; the `options`, which readings, are those of `Interface`."""
     from persson.adhesion import Interface, solve_adhesion
 
     assert inputs.work is not None

@@ -42,6 +42,7 @@ class Options(PressedOptions):
 
 def run(options: Options, *, bench: Bench) -> xr.Dataset:
     """Solve every surface at every load on every resolved grid: limits of the area, and the theory's."""
+    # Under effects the pressure at an edge is not that by which it is located: a limit needs three grids.
     grids = resolved_grids(options.first, options.ladder, located=not options.effects)
     cases = {
         (k, load): [options.press(surface=k, reduced_pressure=load, grid=grid) for grid in grids]
@@ -63,6 +64,7 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
         area_excess_each="area_each / area_persson_each - 1",
     )
     names = ("area", "area_persson", "kappa", "kappa_persson", "area_excess")
+    # Grids are off to the same side on all surfaces: what they leave does not average out.
     return mean(data, *names, alike=True).assign_attrs(
         methods=" ".join(["theory", "bem", *(effect.kind for effect in options.effects)]),
         left_out=", ".join(f"{nx} x {ny}" for nx, ny in options.ladder if (nx, ny) not in grids),

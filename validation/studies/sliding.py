@@ -223,6 +223,7 @@ def views(data: xr.Dataset) -> Views:
 
 
 def _findings(data: xr.Dataset) -> Findings:
+    """Yield the largest friction, what it cost, friction and area beside the theory, and where that ends."""
     form = "Friction is largest at v = {velocity} m/s: mu = {friction} h'_rms, {friction_dissipated:~} by losses."
     yield finding("value", form, data.isel(velocity=int(data.friction.values.argmax())))
     yield finding(
@@ -240,26 +241,30 @@ def _findings(data: xr.Dataset) -> Findings:
     late = data.velocity.values[data.modulus_passing.values > _REMEMBERED]
     fresh = data.isel(velocity=np.flatnonzero(data.modulus_passing.values <= _REMEMBERED))
     if fresh.sizes["velocity"]:
-        top = int(fresh.friction.values.argmax())
-        for name, energy in zip(SHARES, ("S = 1", "S = 1/2 + P^2 / 2"), strict=True):
-            ratio = f"friction_ratio_{name}"
-            yield finding(
-                "comparison",
-                f"Persson's friction with {energy} is {{verdict}} the largest, {{{ratio}}} times it, and {{low}} to {{high}} times that "
-                "up to v = {last} m/s.",
-                fresh.isel(velocity=top),
-                by=f"friction_excess_{name}",
-                last=fresh.velocity[-1],
-                low=Value(value=float(fresh[ratio].min()), error=math.nan),
-                high=Value(value=float(fresh[ratio].max()), error=math.nan),
-            )
-        form = "A/A0 is {each}."
-        item = "{area} at v = {velocity} m/s, {verdict} Persson's {area_persson:~} (Yang, Persson {area_yang_persson:~}, Wang, "
-        item += "Müser {area_wang_mueser:~}, Xu et al. {area_xu:~})"
-        areas = fresh.isel(velocity=sorted({0, top, fresh.sizes["velocity"] - 1}))
-        yield finding("comparison", form, areas, item=item, by="area_excess")
+        yield from _beside_theory(fresh)
     if late.size:
         form = "From v = {late} m/s on the solid has not relaxed when the period comes round again (|E| > {remembered} E_0 "
         form += "there): it keeps the mean track of the periods before, more touches than on fresh rubber, and the theory, "
         form += "which knows no track, is no comparison."
         yield finding("threshold", form, late=late[0], remembered=_REMEMBERED)
+
+
+def _beside_theory(fresh: xr.Dataset) -> Findings:
+    """Yield friction and area beside the theory, at velocities at which the solid has relaxed."""
+    top = int(fresh.friction.values.argmax())
+    for name, energy in zip(SHARES, ("S = 1", "S = 1/2 + P^2 / 2"), strict=True):
+        ratio = f"friction_ratio_{name}"
+        yield finding(
+            "comparison",
+            f"Persson's friction with {energy} is {{verdict}} the largest, {{{ratio}}} times it, and {{low}} to {{high}} times that "
+            "up to v = {last} m/s.",
+            fresh.isel(velocity=top),
+            by=f"friction_excess_{name}",
+            last=fresh.velocity[-1],
+            low=Value(value=float(fresh[ratio].min()), error=math.nan),
+            high=Value(value=float(fresh[ratio].max()), error=math.nan),
+        )
+    item = "{area} at v = {velocity} m/s, {verdict} Persson's {area_persson:~} (Yang, Persson {area_yang_persson:~}, Wang, "
+    item += "Müser {area_wang_mueser:~}, Xu et al. {area_xu:~})"
+    areas = fresh.isel(velocity=sorted({0, top, fresh.sizes["velocity"] - 1}))
+    yield finding("comparison", "A/A0 is {each}.", areas, item=item, by="area_excess")

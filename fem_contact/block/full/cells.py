@@ -86,8 +86,12 @@ class BlockFactors(NamedTuple):
 
 
 def _self_coupling(coefficients: Array, modulus: Array) -> tuple[Array, Array]:
-    """Blocks (nx, ny, nz, 3, 3) of a column's planes with themselves and with the planes below."""
+    """Blocks (nx, ny, nz, 3, 3) over E of a column's planes with themselves and with the planes below.
+
+    `coefficients` are `corner_coefficients`; plane k is the upper one of layer k, from the bottom.
+    """
     nx, ny, nz = modulus.shape
+    # Where a grid is one node wide its neighbours are the column itself.
     sides = [side for side, (x, y) in enumerate(_SIDES) if not (x and nx > 1) and not (y and ny > 1)]
     even, odd = (coefficients[:, parity][:, :, sides].sum(axis=2) for parity in (0, 1))
     # Back from sums and differences: the upper node's answer to the upper and to the lower one.

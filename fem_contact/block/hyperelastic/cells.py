@@ -113,10 +113,10 @@ class Cells:
 
     @cached_property
     def _nodes(self) -> Numbers:
-        """Free node of each corner of each cell, (nx, ny, nz, 8); -1 on the clamped plane."""
+        """Free node, of a flattened field, of each corner of each cell, (nx, ny, nz, 8); -1 where clamped."""
         (nx, ny), nz = self.mesh.cells, self.mesh.nz
         i, j, k = np.ogrid[:nx, :ny, :nz]
-        corners = self._tables[2]
+        _, _, corners = self._tables
         nodes = [((i + a) % nx * ny + (j + b) % ny) * nz + k + c - 1 for a, b, c in corners]
         below = [np.broadcast_to(k + c == 0, (nx, ny, nz)) for _, _, c in corners]
         return np.where(np.stack(below, axis=-1), -1, np.stack(nodes, axis=-1))

@@ -87,9 +87,12 @@ def _of_full_contact(transfer: Transfer) -> str | None:
 
 
 def _scaled(factor: float, share: float, *, off: float) -> str | None:
-    """Say by what fluctuation and mean of the pressure are scaled; None where they are not."""
-    right, loaded = abs(factor - 1) < off, abs(share - 1) < off
-    if right:
+    """Say what scaled the fluctuation of a full contact by `factor`, and its mean by `share`, up to `off`.
+
+    None where both are 1; an empty text where they are not, and no cause fits.
+    """
+    waved, loaded = abs(factor - 1) < off, abs(share - 1) < off
+    if waved:
         return None if loaded else f"the load is {Value(value=share)} times the one asked for"
     if abs(factor + 1) < off:
         upright = "the surface is pressed upside down" if loaded else ""

@@ -63,7 +63,7 @@ def file_says(path: Path) -> FileSays:
 
 @functools.lru_cache(maxsize=1)
 def _read(name: str, size: int = 0, content: tuple[int, ...] = ()) -> FileSays:
-    """Read a file of a size; what tells its content tells whether it is read again."""
+    """Read a file of a size; `content` is for the cache alone: it differs where the file has changed."""
     del content
     try:
         says: FileSays = sandbox.call(

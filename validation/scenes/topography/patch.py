@@ -122,7 +122,7 @@ class Topography:
         return faults
 
     def filled(self, missing: Missing) -> Topography:
-        """Give missing points a height, by choice."""
+        """Give missing points a height, by choice; with "refuse" they stay, as `faults` has said."""
         count, heights = self.missing, self.heights
         if count == 0 or missing == "refuse":
             return self

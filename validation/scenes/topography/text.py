@@ -14,13 +14,15 @@ from validation.scenes.topography.raw import MOST_POINTS, Raw, check_shape, even
 _MOST_HEADER = 2**16
 #: Rows from which three columns are taken for x, y, z rather than a map three points wide.
 _LEAST_XYZ = 4
+#: Numbers that are read at most: x, y, z of each point.
+_MOST_NUMBERS = 3 * MOST_POINTS
 #: Points of the grid of x and y for each point that is listed; a sparser one is no grid.
 _SPARSEST = 4
 
 _NUMBER = re.compile(
     r"[-+]?(?:\d+[.,]?\d*|[.,]\d+)(?:[eE][-+]?\d+)?|[-+]?(?:nan|inf|infinity)", re.IGNORECASE
 )
-_DECIMAL_COMMA = re.compile(r"[-+]?\d*(,\d+)?([eE][-+]?\d+)?")
+_DECIMAL_COMMA = re.compile(r"[-+]?(?:\d*(,\d+)?([eE][-+]?\d+)?|nan|inf|infinity)", re.IGNORECASE)
 _SIDE = r"^\W*{}\s*[:=]\s*([-+0-9.,eE]+)\s*([^\s\d]\S*)\s*$"
 # As Gwyddion writes them, in English, German, French, Spanish and Czech.
 _WIDTH, _HEIGHT = (
@@ -92,14 +94,17 @@ def _first_line(data: bytes) -> tuple[int, str]:
 
 
 def _table(body: bytes, first: str) -> Array:
-    """Read the numbers as the first line is written; how many there may be is known before."""
+    """Read numbers, parted as in the `first` line: by ";" or blanks, with decimal points or commas, or ",".
+
+    Where they may be too many, a ValueError before they are read.
+    """
     tokens, mark = first.split(), None
     if ";" in first:
         mark = ";"
     elif "," in first and (len(tokens) == 1 or not all(map(_DECIMAL_COMMA.fullmatch, tokens))):
         mark = ","
     columns, rows = (len(tokens) if mark is None else first.count(mark) + 1), body.count(b"\n") + 1
-    if rows * columns > 2 * MOST_POINTS or columns > MOST_POINTS:
+    if rows * columns > _MOST_NUMBERS or columns > MOST_POINTS:
         raise ValueError(
             f"up to {rows} rows of {columns} numbers; at most {MOST_POINTS} heights are read: cut it "
             "or thin it out"
