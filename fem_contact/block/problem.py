@@ -26,7 +26,7 @@ class Answer:
     linear_iterations: int = 0
     fft_pairs: float = 0.0
     bytes: int  # Memory of the arrays that were held
-    method: str  # {"multigrid", "refined", "reduced"}
+    method: str  # {"multigrid", "refined", "reduced", "apart"}
     note: str  # What the solver reached, in words
     # (nx, ny, planes, 3): Displacement of all nodes over the cell width, where it was solved for.
     field: Array | None = None

@@ -44,6 +44,7 @@ _METHODS = {
     "refined": "finite elements, full system: active set, conjugate gradients with multigrid of the "
     "trilinear cells between the nodes",
     "reduced": "finite elements, reduced exactly to the surface nodes by Fourier transform",
+    "apart": "finite elements, nothing to solve: no node touches",
 }
 
 #: Peak bytes per unknown of the full system: some nineteen fields; where the modulus varies sideways, nine
@@ -172,7 +173,7 @@ class Session:
         offset = (finite("offset", offset) - self.top) / self.width
         problem = replace(self.problem, offset=offset)
         if offset >= 0:
-            answer = _apart(problem, self.method)
+            answer = _apart(problem)
         elif self.method == "full":
             answer = self._find(problem, None)
         else:
@@ -263,7 +264,7 @@ class Session:
         )
 
 
-def _apart(problem: Problem, method: Method) -> Answer:
+def _apart(problem: Problem) -> Answer:
     """Nothing touches."""
     shape, zero = problem.mesh.shape, np.zeros(problem.mesh.shape)
     assert problem.offset is not None
@@ -276,7 +277,7 @@ def _apart(problem: Problem, method: Method) -> Answer:
         status=Status.CONVERGED,
         iterations=0,
         bytes=3 * zero.nbytes,
-        method=method,
+        method="apart",
         note="no contact",
         field=np.zeros((*shape, problem.mesh.planes.size, 3)),
     )

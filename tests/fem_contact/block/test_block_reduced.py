@@ -134,6 +134,7 @@ def test_surfaces_held_apart_bear_nothing(method):
     assert not contact.in_contact.any()
     assert contact.gap.min() > 0
     assert not solution.field.any()
+    assert "nothing to solve" in contact.provenance["method"]
 
 
 def test_flat_surface_driven_in_by_an_approach_compresses_uniformly():
