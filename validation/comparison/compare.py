@@ -17,11 +17,11 @@ import scipy.special
 import xarray as xr
 
 from validation.errors import UsageError
-from validation.execution.results import RECORD, Outputs, Result, leave, read_results, record_of
+from validation.execution.results import Outputs, Result, leave, read_results, record_of
 from validation.files import prepare_folder
 from validation.report.estimates import NORMAL, claim_surfaces, derive, total_error
 from validation.report.findings import Finding, finding, note
-from validation.report.page import page_of
+from validation.report.page import RECORD, page_of
 from validation.report.places import each
 from validation.report.quantities import in_prefixed_unit, labelled, place_words, quantity_of
 from validation.report.table import ResultTable, Row, WordTable, shown, value_cells

@@ -20,10 +20,9 @@ import xarray as xr
 from validation.errors import RunFailed, UsageError
 from validation.execution.store import read_numbers, write_numbers
 from validation.files import digest_of, locked, read_record, write_record
-from validation.registry import versions
-from validation.report.page import Page, standing_page, write_page
+from validation.report.page import RECORD, Page, standing_page, write_page
 
-RECORD, DATA = "result.json", "data.nc"
+DATA = "data.nc"
 _FORMAT = "fem-contact result 2"
 #: Records of earlier versions.
 _EARLIER = ("run.json", "sweep.json", "study.json", "accuracy.json")
@@ -174,8 +173,7 @@ def show(folder: Path, page_of: Callable[..., Page], *, report: bool = True, ane
     """
     with locked(folder):
         result = read_results(folder)
-        of = {"record": digest_of(folder / RECORD), "report": report, "versions": versions()}
-        written = () if anew else standing_page(folder, of)
+        written = () if anew else standing_page(folder, numbers_only=not report)
         page = page_of(result, figures=report and not written)
-        written = written or write_page(page, folder, numbers_only=not report, of=of)
+        written = written or write_page(page, folder, numbers_only=not report)
         return Outputs(result=result, page=page, folder=folder, files=(*written, folder / DATA))

@@ -32,6 +32,9 @@ from validation.report.values import values_of
 from validation.report.views import Card, Views
 from validation.report.words import json_ready, mathematics
 
+#: What the numbers of a page are a result of, beside it.
+RECORD = "result.json"
+
 #: Width over height from which on a figure has several panels, and the width of the page to itself.
 _WIDE = 1.7
 
@@ -117,13 +120,10 @@ def page_of(data: xr.Dataset, views: Views, /, *, figures: bool, **rest: Any) ->
     return Page(**context)
 
 
-def write_page(
-    page: Page, folder: Path, *, numbers_only: bool, of: Mapping[str, Any] | None = None
-) -> tuple[Path, ...]:
+def write_page(page: Page, folder: Path, *, numbers_only: bool) -> tuple[Path, ...]:
     """Write tables, JSON, figures and the report into a folder; return the files, the report first.
 
-    With `numbers_only` figures and report are left out, as they can be made later from what is stored. `of`
-    is what it shows, by which `standing_page` knows it again.
+    With `numbers_only` figures and report are left out, as they can be made later from what is stored.
     """
     written: list[Path] = []
     if page.data is not None:
@@ -134,7 +134,7 @@ def write_page(
     if page.summary is not None:
         written.append(write_json(folder / "summary.json", {**page.summary, "papers": list(page.papers)}))
     if numbers_only:
-        clear_page(folder, keep=(*written, _seal(folder, written, of)))
+        clear_page(folder, keep=(*written, _seal(folder, written)))
         return tuple(written)
     figures, report = folder / "figures", folder / "report.html"
     if page.figures or page.pictures:
@@ -148,7 +148,7 @@ def write_page(
         draft.write_text(render(page, drawn), encoding="utf-8")
     drawings = [folder / file for figure in drawn for file, _ in figure["files"]]
     outputs = [report, *written, *drawings, *pictures]
-    clear_page(folder, keep=(*outputs, _seal(folder, outputs, of)))
+    clear_page(folder, keep=(*outputs, _seal(folder, outputs)))
     return _listed(folder, outputs)
 
 
@@ -157,35 +157,34 @@ def _listed(folder: Path, files: Iterable[Path]) -> tuple[Path, ...]:
     return tuple(dict.fromkeys(path if path.parent == folder else path.parent for path in files))
 
 
-def _seal(folder: Path, files: Collection[Path], of: Mapping[str, Any] | None) -> Path:
-    """Write the digests of what shows a result, for whoever reads numbers back from there."""
+def _seal(folder: Path, files: Collection[Path]) -> Path:
+    """Write the digests of a result and of what shows it, for whoever reads numbers back from there."""
     digests = {str(path.relative_to(folder)): digest_of(path) for path in files}
+    of = digest_of(folder / RECORD) if (folder / RECORD).exists() else None
     return write_record(folder / "shown.json", {"of": of, "files": digests})
 
 
-def standing_page(folder: Path, of: Mapping[str, Any]) -> tuple[Path, ...]:
-    """Return the files of a page that shows this already, as `write_page` does; none where it is to be made.
+def standing_page(folder: Path, *, numbers_only: bool) -> tuple[Path, ...]:
+    """Return the files of a page that shows the folder's record already; none where it is to be made.
 
     Every file has to be the one that was written, and later than all code that is loaded or in this package.
     """
     seal = folder / "shown.json"
-    with contextlib.suppress(OSError, ValueError, KeyError, AttributeError):
+    with contextlib.suppress(OSError, ValueError, KeyError):
         shown = read_record(seal)
         files = {folder / name: digest for name, digest in shown["files"].items()}
-        loaded = (getattr(module, "__file__", None) for module in [*sys.modules.values()])
-        ours = (
-            path for path in Path(__file__).parents[1].rglob("*") if path.suffix != ".pyc" and path.is_file()
-        )
-        code = max(
-            path.stat().st_mtime for path in {*map(Path, filter(None, loaded)), *ours} if path.exists()
-        )
-        if (
-            shown["of"] == of
-            and code < seal.stat().st_mtime
-            and all(digest_of(p) == d for p, d in files.items())
-        ):
+        whole = "report.html" in shown["files"]
+        same = shown["of"] == digest_of(folder / RECORD) and whole != numbers_only
+        if same and _code_time() < seal.stat().st_mtime and all(digest_of(p) == d for p, d in files.items()):
             return _listed(folder, files)
     return ()
+
+
+def _code_time() -> float:
+    """When code was last changed that is loaded, or belongs to this package."""
+    loaded = (getattr(module, "__file__", None) for module in [*sys.modules.values()])
+    ours = (path for path in Path(__file__).parents[1].rglob("*") if path.suffix != ".pyc" and path.is_file())
+    return max(path.stat().st_mtime for path in {*map(Path, filter(None, loaded)), *ours} if path.exists())
 
 
 def clear_page(folder: Path, *, keep: Collection[Path] = ()) -> None:
