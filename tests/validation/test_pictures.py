@@ -1,6 +1,9 @@
 """3-D pictures: where rendering fails there is a word, not a crash and not half a file."""
 
+import shutil
+
 import pytest
+from small_scene import scene_of
 
 from validation.comparison import run
 from validation.execution.results import read_results
@@ -41,6 +44,15 @@ def test_a_run_renders_what_was_asked_for_of_its_finest_finite_elements(small_ru
     (finest,) = (small_run.folder / "solves").glob("fem-24x16-*.nc")
     assert (page.pictures, page.no_picture) == ((picture,), f"fem on 24 x 16 in {finest.stem}")
     assert run.result_page(result, figures=True).pictures == ()
+
+
+def test_the_same_run_with_pictures_and_without_has_them_and_has_none(small_run, tmp_path, monkeypatch):
+    picture = Picture(name="surface", caption="", png=b"x")
+    monkeypatch.setattr(run, "render_stored", lambda *_, **__: (picture, ""))
+    shutil.copytree(small_run.folder, tmp_path / "out")
+    for pictures in (False, True, False):
+        run.run_scene(scene_of(small_run), tmp_path / "out", pictures=pictures)
+        assert (tmp_path / "out/figures/surface.png").exists() == pictures
 
 
 def test_a_stored_solve_becomes_a_picture_wherever_a_renderer_lives(small_run):

@@ -148,9 +148,9 @@ def solve_and_write(
     if results:
         data.attrs[SOLVES_MADE] = "\n".join(made_words(results.made()))
     page, name = partial(result_page, pictures=pictures), settings["scene"]["name"]
-    outputs = leave(
-        folder, data, page, report=report, kind=kind, name=name, settings=settings, store=store.folder
-    )
+    about: dict[str, Any] = {"kind": kind, "name": name, "settings": settings, "store": store.folder}
+    anew = pictures or _has_pictures(folder)
+    outputs = leave(folder, data, page, report=report, anew=anew, **about)
     failures = data.failures.values.ravel().tolist() if "failures" in data else []
     return dataclasses.replace(
         outputs,
@@ -170,8 +170,12 @@ def report_scene(folder: Path, *, pictures: bool | None = None) -> Outputs:
     """
     if pictures is None:
         rendered = record_of(folder).get("asked", {}).get("scene", {}).get("run", {}).get("pictures", False)
-        pictures = bool(rendered) or any(folder.glob("figures/*.png"))
+        pictures = bool(rendered) or _has_pictures(folder)
     return show(prepare_folder(folder), partial(result_page, pictures=pictures))
+
+
+def _has_pictures(folder: Path) -> bool:
+    return any(folder.glob("figures/*.png"))
 
 
 def _link_blocks(results: Solves, folder: Path) -> Iterator[Path]:

@@ -155,12 +155,18 @@ class Outputs:
 
 
 def leave(
-    folder: Path, data: xr.Dataset, page_of: Callable[..., Page], *, report: bool, **record: Any
+    folder: Path,
+    data: xr.Dataset,
+    page_of: Callable[..., Page],
+    *,
+    report: bool,
+    anew: bool = False,
+    **record: Any,
 ) -> Outputs:
-    """Write dataset and record (`write_results`) of an act into its folder; `show` them if they are new."""
+    """Write dataset and record (`write_results`) of an act into its folder, and `show` them."""
     with locked(folder):
         write_results(folder, data, **record)
-        return show(folder, page_of, report=report, anew=False)
+        return show(folder, page_of, report=report, anew=anew)
 
 
 def show(folder: Path, page_of: Callable[..., Page], *, report: bool = True, anew: bool = True) -> Outputs:

@@ -44,7 +44,7 @@ def run(output: Path, *, figures: bool = True, progress: Callable[[str], None] |
         curves.append(figure.compute())
     for application in APPLICATIONS:
         rows += judge(application, tell=lambda text: tell(f"claim: {text}"))
-    asked = {"kind": "paper", "name": "reproduce", "settings": {"figures": figures}}
+    asked: dict[str, Any] = {"kind": "paper", "name": "reproduce", "settings": {"figures": figures}}
     return leave(output, paper_dataset(rows, curves), paper_page, report=figures, store=output, **asked)
 
 
