@@ -13,7 +13,7 @@ from typing import Any, TypeVar
 import numpy as np
 
 from fem_contact._checks import finite, listed, samples, truth, whole
-from fem_contact._types import Array, Lengths, Numbers
+from fem_contact._types import AnyArray, Array, Lengths, Numbers
 from fem_contact.contact import ContactResult, check_result, weights_of
 from fem_contact.errors import InvalidInput
 from fem_contact.height_traits import height_traits
@@ -130,8 +130,8 @@ class ContactAreas:
         Share of the mean square curvature of the heights in waves of less than four grid points: 0 where the
         grid resolves them, about half at kinks and nearly all at steps, however fine the grid.
     wavenumber : float
-        Root mean square of the curvature of the heights, times the spacing: some 5 over the points per
-        shortest wave.
+        Root mean square wavenumber of the curvature of the heights, times the spacing, whatever their size:
+        some 5 over the points per shortest wave.
     """
 
     pixel: float
@@ -319,22 +319,25 @@ def contact_edges(result: ContactResult) -> Edges:
     contact, spacing = result.in_contact, result.spacing
     mode: Any = "wrap" if result.periodic else "nearest"
     smooth = scipy.ndimage.gaussian_filter(contact.astype(float), _SMOOTHING, mode=mode)
-    slopes = [(np.roll(smooth, 1, k) - np.roll(smooth, -1, k)) / spacing[k] for k in (0, 1)]
+
+    def moved(field: AnyArray, by: int, axis: int) -> AnyArray:
+        places = np.arange(field.shape[axis]) - by
+        return np.take(field, places, axis, mode="wrap" if result.periodic else "clip")
+
+    slopes = [(moved(smooth, 1, k) - moved(smooth, -1, k)) / spacing[k] for k in (0, 1)]
     parts = []
     for axis, sign in ((0, 1), (0, -1), (1, 1), (1, -1)):
-        inside = contact & ~np.roll(contact, -sign, axis)
-        if not result.periodic:
-            np.moveaxis(inside, axis, 0)[-1 if sign > 0 else 0] = False
-        normal = [(slope + np.roll(slope, -sign, axis))[inside] for slope in slopes]
+        inside = contact & ~moved(contact, -sign, axis)
+        normal = [(slope + moved(slope, -sign, axis))[inside] for slope in slopes]
         length = np.hypot(normal[0], normal[1])
         cosine = sign * normal[axis] / np.where(length > 0, length, 1.0)
         cosine = np.clip(cosine, 0.05, 1.0)
         scale = result.pressure[inside] * spacing[axis] * cosine
-        gap = result.contact_modulus * np.maximum(np.roll(result.gap, -sign, axis)[inside], 0.0)
+        gap = result.contact_modulus * np.maximum(moved(result.gap, -sign, axis)[inside], 0.0)
         ratio = _over(gap, scale)
-        behind = np.roll(result.pressure, sign, axis)[inside]
+        behind = moved(result.pressure, sign, axis)[inside]
         inner = np.minimum(_over(result.pressure[inside], behind), _STEEPEST**0.5) ** 2
-        beyond = result.contact_modulus * np.roll(result.gap, -2 * sign, axis)[inside]
+        beyond = result.contact_modulus * moved(result.gap, -2 * sign, axis)[inside]
         outer = np.minimum(_over(gap, beyond), _STEEPEST**1.5) ** (2 / 3)
         index = np.flatnonzero(inside)
         sides = np.full(index.shape, axis), np.full(index.shape, sign)

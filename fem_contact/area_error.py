@@ -97,10 +97,7 @@ WIDEST = 3.5
 #: Corrected at the edge by a constant, which depends a little on what is pressed: likewise of 240 surfaces on
 #: boundary elements (with a hardness of .1 to 1.5 E* h'_rms, layers, adhesion, a free boundary).
 _PERIMETER = ErrorLaw(
-    terms=((0.0, 0.0, 0.02), (1.0, 0.0, 0.01)),
-    odd=0.0,
-    noise=(0.23, 0.0),
-    alike=((0.05, 0.0), (0.3, 0.0)),
+    terms=((0.0, 0.0, 0.02), (1.0, 0.0, 0.01)), odd=0.0, noise=(0.23, 0.0), alike=((0.05, 0.0), (0.3, 0.0))
 )
 
 #: By power of z, what means and deviations of its coefficients gain for each unit by which the constant

@@ -212,11 +212,7 @@ def render_surface(path: Path, solution: ContactResult | BlockSolution) -> None:
 
 
 def render_section(
-    path: Path,
-    solution: BlockSolution,
-    *,
-    axis: Literal["x", "y"] = "y",
-    position: float | None = None,
+    path: Path, solution: BlockSolution, *, axis: Literal["x", "y"] = "y", position: float | None = None
 ) -> None:
     """Draw a vertical cut through the von Mises stress into a picture, off screen.
 

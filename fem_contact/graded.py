@@ -96,8 +96,8 @@ class ExponentialSolid:
     depth : float
         d [m].
     sublayers : int
-        Homogeneous layers that stand for the profile, per wave: each carries the modulus of its middle. The
-        error falls with the square of their number.
+        Homogeneous layers that stand for the profile, per wave: each carries the harmonic mean of its moduli.
+        The error falls with the square of their number.
 
     Raises
     ------
@@ -148,12 +148,14 @@ class ExponentialSolid:
 
     def sheets(self, q: Array) -> dict[str, Array]:
         """Return the sublayers for waves [1/m] and the bulk below, as `upwards` takes them."""
-        # What lies below min(30 d, 30 / q) is bulk, or out of reach of the wave. Depths are denser near the
-        # surface: equal steps of 1 - exp(-z / s) with s of the shorter of both lengths.
+        # What lies below 30 / (1/d + q) is bulk, or out of reach of the wave. Depths are denser near the
+        # surface: equal steps of 1 - exp(-z / s) with s = 3 / (1/d + q).
         steps, nu = np.linspace(0, 1, self.sublayers + 1), self.surface.poisson
         edges = -3 * np.log1p(-steps * (1 - np.exp(-10.0)))[:, None] / (1 / self.depth + q)
-        middles = (edges[1:] + edges[:-1]) / 2
-        young = self._young(np.concatenate([middles, edges[-1:]]))
+        # Int dz / E from the surface: each carries the harmonic mean of E, for a soft skin gives way alone.
+        softness = edges + self.depth * np.log(self._young(edges) / self.surface.young)
+        layers = self.bulk_young * np.diff(edges, axis=0) / np.diff(softness, axis=0)
+        young = np.concatenate([layers, self._young(edges[-1:])])
         return {
             "thicknesses": np.concatenate([np.diff(edges, axis=0), np.full((1, q.size), np.inf)]),
             "shear": young / (2 * (1 + nu)),

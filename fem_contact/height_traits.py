@@ -29,7 +29,7 @@ def height_traits(heights: Array, spacing: Lengths, *, patch: bool) -> HeightTra
         return HeightTraits()
     deviation /= largest
     if patch:
-        deviation *= np.hanning(nx)[:, None] * np.hanning(ny)
+        deviation *= np.multiply.outer(*(np.hanning(n) if n > 2 else np.ones(n) for n in (nx, ny)))
     return traits_of(wave_sums(scipy.fft.rfft2(deviation), (nx, ny), spacing))
 
 

@@ -58,8 +58,8 @@ class SlidingContact(HasContact):
         otherwise times the loss angle of the waves at work. Where it is fast, and these are nearly glassy,
         that is the dissipation.
     friction_interval : tuple of float
-        It on 95 % of grids: half of the losses in waves of less than four points, and the other half of that
-        difference, to both sides (held that of 32 points per shortest wave from 4 to 16 on 95 to 100 %).
+        It on 95 % of grids: half of the losses in waves of less than four points, and twice what was added to
+        `dissipation`, to both sides (held that of 32 points per shortest wave from 4 to 16 on 95 to 100 %).
     slopes : float
         -<p h_x>/p0, by the slopes of the rigid surface.
     dissipation : float

@@ -160,7 +160,7 @@ class TabulatedSolid:
     def __post_init__(self) -> None:
         poisson_ratio(self.poisson)
         omega = samples("frequencies", self.frequencies, least=2)
-        storage, loss = samples("storage", self.storage), samples("loss", self.loss)
+        storage, loss = np.array(positives("storage", self.storage)), samples("loss", self.loss)
         if not omega.size == storage.size == loss.size:
             raise InvalidInput(
                 f"frequencies, storage, loss: {omega.size}, {storage.size} and {loss.size} values: "
@@ -168,10 +168,8 @@ class TabulatedSolid:
             )
         if not (omega[0] > 0 and np.all(np.diff(omega) > 0)):
             raise InvalidInput("frequencies: must be positive and rising, in 1/s")
-        if storage.min() <= 0 or loss.min() < 0:
-            raise InvalidInput(
-                "storage, loss: storage moduli must be positive, loss moduli not negative, in Pa"
-            )
+        if loss.min() < 0:
+            raise InvalidInput("loss: moduli must not be negative, in Pa")
         for name, values in (("frequencies", omega), ("storage", storage), ("loss", loss)):
             object.__setattr__(self, name, tuple(map(float, values)))
 

@@ -78,6 +78,7 @@ def find_pieces(problem: Problem, outputs: Array, breaks: Array) -> Pieces:
     last, nothing = float(outputs[-1]), np.empty(0)
     untouched = Pieces(reference=last or 1.0, edges=nothing, roots=nothing, start=np.inf)
     if last == 0:
+        _refuse(problem, 1.0, np.array([-140.0]))
         return untouched
     inside = breaks[(breaks > 0) & (breaks < last)]
     coarse = np.unique(np.concatenate([np.arange(-140.0, 0.0, 0.25), [0.0], np.log(inside / last)]))

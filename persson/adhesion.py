@@ -27,6 +27,7 @@ from persson._checks import (
     whole,
     within,
 )
+from persson._window import FALLING
 from persson.diffusion import Diffusion, diffuse_once
 from persson.errors import NotConverged, OutsideTheory
 from persson.interface import Interface as Interface
@@ -134,7 +135,7 @@ class AdhesiveContact:
 
 @dataclass(frozen=True, kw_only=True)
 class _Nodes:
-    """Discretisation: q, T = ln V, E*, area factor, and the tension squared that belongs to gamma_eff = 1."""
+    """Nodes: q, T = ln(V / reference), E*, area factor, and the tension squared of gamma_eff = 1."""
 
     q: Array
     t: Array
@@ -225,7 +226,8 @@ def solve_adhesion(
     Raises
     ------
     OutsideTheory
-        For tension beyond what the interface holds macroscopically.
+        For a load that is not below the hardness, or a hardness that falls with q. Tension beyond what the
+        interface holds is a result: no contact.
 
     Notes
     -----
@@ -309,8 +311,8 @@ def _iterate(
     for count in range(1, rounds + 1):
         try:
             state = _diffuse(case, nodes, work, onset)
-        except OutsideTheory:
-            if case.pressure > 0:
+        except OutsideTheory as error:
+            if case.pressure > 0 or str(error) == FALLING:
                 raise
             return _empty(case, nodes, count)
         if state.area[-1] < _LOST:

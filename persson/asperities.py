@@ -315,13 +315,14 @@ def yielding_asperities(
 
 
 def _unyielded(t: Array, span: float) -> Array:
-    """Int_t^(t + span) (x - t)^(3/2) phi(x) dx; x = t + w y^2 takes the root away."""
+    """Int_t^(t + span) (x - t)^(3/2) phi(x) dx, where phi is; x = low + w y^2 takes the root at t away."""
     y, weights = gauss(160)
-    width = np.minimum(span, np.maximum(_HIGHEST - t, 0.0))
-    x = t[..., None] + width[..., None] * y * y
-    with np.errstate(under="ignore"):
-        density = np.exp(-0.5 * np.minimum(x * x, 1400.0)) / math.sqrt(2 * math.pi)
-    return 2 * width * width * np.sqrt(width) * ((y**4 * density) @ weights)
+    low = np.maximum(t, -_HIGHEST)
+    width = np.maximum(np.minimum(t + span, _HIGHEST) - low, 0.0)
+    rise = width[..., None] * y * y
+    deep = (low - t)[..., None] + rise
+    density = np.exp(-0.5 * (low[..., None] + rise) ** 2) / math.sqrt(2 * math.pi)
+    return np.asarray(2 * width * ((deep * np.sqrt(deep) * y * density) @ weights))
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -115,11 +115,7 @@ class FlawTolerance:
 
 
 def optimal_modulus(
-    spectrum: Spectrum,
-    *,
-    pressure: float,
-    tensile_limit: float,
-    interface: Interface,
+    spectrum: Spectrum, *, pressure: float, tensile_limit: float, interface: Interface
 ) -> FlawTolerance:
     r"""Find the graded modulus with which sigma_a does not depend on the magnification, on a rough surface.
 

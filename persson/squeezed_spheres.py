@@ -63,12 +63,7 @@ def yielded_share(force: ArrayLike, *, radius: float, contact_modulus: float, ha
 
 
 def yielded_pull_off(
-    force: ArrayLike,
-    *,
-    radius: float,
-    contact_modulus: float,
-    hardness: float,
-    work_of_adhesion: float,
+    force: ArrayLike, *, radius: float, contact_modulus: float, hardness: float, work_of_adhesion: float
 ) -> Array:
     r"""Pull-off force [N] after squeezing with F, if what has yielded sticks and nothing else does.
 

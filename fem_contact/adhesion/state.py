@@ -39,7 +39,7 @@ class AdhesiveContact(HasContact):
     ----------
     contact : ContactResult
         Fields and status. Its pressure is the whole stress between the bodies, negative where they attract
-        each other; `in_contact` are the points on the wall, g = 0.
+        each other; `in_contact` are the points on the wall, g = 0, or yielded, g < 0.
     law : GapLaw
         The law as the grid saw it.
     energy : float
@@ -196,6 +196,8 @@ class AdhesionProblem:
     ) -> None:
         instance("surface", surface, HeightField)
         check_response(response)
+        if surface.heights.size == 1:
+            raise InvalidInput("surface: one point has no waves; take more of a flat surface")
         spacing, modulus = max(surface.spacing), response.contact_modulus
         cells = cells_in_process_zone(law, spacing=spacing, contact_modulus=modulus)
         if cells < CELLS_NEEDED * (1 - 1e-12):
@@ -209,7 +211,8 @@ class AdhesionProblem:
         self.law = law.on_grid(spacing=spacing, contact_modulus=modulus)
         self.settings = settings
         if hardness is not None:
-            bound("hardness", hardness, surface.shape)
+            checked = bound("hardness", hardness, surface.shape)
+            hardness = checked if checked.ndim else float(checked)
         self.land = Landscape(
             surface.heights,
             response=response,

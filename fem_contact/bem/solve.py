@@ -169,11 +169,7 @@ def solve_displacement(
 
 
 def solve_path(
-    surface: HeightField,
-    response: Response,
-    *,
-    mean_pressures: Iterable[float],
-    **options: Unpack[Options],
+    surface: HeightField, response: Response, *, mean_pressures: Iterable[float], **options: Unpack[Options]
 ) -> list[ContactResult]:
     """Solve a sequence of loads, up or down, each started from the one before.
 

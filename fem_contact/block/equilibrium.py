@@ -52,7 +52,7 @@ def measure_equilibrium(
         forces[-1] += above
         squared += float(np.sum(forces[1:] ** 2))
         above = forces[0]
-    residual = float(np.sqrt(squared)) / float(np.linalg.norm(applied))
+    residual = float(np.sqrt(squared)) / (float(np.linalg.norm(applied)) or 1.0)
     return residual, energy / (mesh.cells[0] * mesh.cells[1] * mesh.aspect)
 
 

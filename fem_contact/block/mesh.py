@@ -47,8 +47,8 @@ _LEAST_LAYERS = 4
 def graded_layers(depth: float, *, first: float, growth: float) -> Array:
     """Thicknesses of layers that grow from the surface downwards and fill the depth exactly.
 
-    The first layer is kept; the ratio is lowered from `growth` until a whole number of layers fits. Where not
-    even two layers of the first thickness fit, the layers are equal.
+    The first layer is kept; the ratio is lowered from `growth` until a whole number of layers fits. Where it
+    would fall below 1, they are equal and thinner than the first.
 
     Parameters
     ----------
@@ -127,6 +127,7 @@ class BlockMesh:
         layers = samples("layers", self.layers)
         if not (layers > 0).all():
             raise InvalidInput(f"layers: the thinnest is {layers.min():.3g}: all must be positive")
+        object.__setattr__(self, "layers", layers)
 
     @property
     def nz(self) -> int:

@@ -143,11 +143,7 @@ def solve(
 
 
 def solve_displacement(
-    surface: HeightField,
-    solid: Solid,
-    *,
-    offset: float,
-    **options: Unpack[Options],
+    surface: HeightField, solid: Solid, *, offset: float, **options: Unpack[Options]
 ) -> BlockSolution:
     """Press a rigid surface into an elastic block to a given approach.
 
@@ -168,11 +164,7 @@ def solve_displacement(
 
 
 def solve_path(
-    surface: HeightField,
-    solid: Solid,
-    *,
-    mean_pressures: Iterable[float],
-    **options: Unpack[Options],
+    surface: HeightField, solid: Solid, *, mean_pressures: Iterable[float], **options: Unpack[Options]
 ) -> Iterator[BlockSolution]:
     """Solve a sequence of loads, up or down, each started from the one before; assembly is shared.
 

@@ -55,8 +55,8 @@ class FourierOperator:
         qx, qy = wavevectors(self.shape, lengths)
         qy = qy[columns]
         self.compliance = np.array(array("compliance", response.compliance(*np.ix_(qx, qy)), power=2))
-        if self.compliance.shape != (qx.size, qy.size):
-            self.compliance = np.full((qx.size, qy.size), -1.0)
+        if self.compliance.shape != (shape := (qx.size, qy.size)):
+            self.compliance = np.full(shape, -1.0 if self.compliance.ndim else self.compliance)
         # All but q = 0, which the first column has.
         positive = self.compliance.ravel()[int(not columns.start) :]
         valid = bool(np.all(positive > LEAST**2) and self.compliance[0, 0] >= 0)
@@ -71,7 +71,9 @@ class FourierOperator:
             float(np.max(positive, initial=0.0)),
         )
         if not parts[:, 0].all():
-            raise InvalidInput("the compliance is not positive and finite at every wavevector but q = 0")
+            raise InvalidInput(
+                "the compliance is not one positive, finite number at every wavevector but q = 0"
+            )
         count = float(parts[:, 2].sum())
         self.stiffness = float(parts[:, 1].sum()) / max(count, 1.0)
         self.extremes = (float(parts[:, 3].min()), float(parts[:, 6].max())) if count else (1.0, 1.0)
@@ -105,7 +107,7 @@ class FourierOperator:
         self._filter(displacement, out, inverse=True)
 
     def precondition(self, residual: Array | Single, out: Array | Single) -> None:
-        """Do as `invert`, but with long waves no stiffer than contacts feel them: see `_long_waves`."""
+        """Do as `invert`, but with long waves no stiffer than contacts feel them: see `long_waves`."""
         self._filter(residual, out, inverse=True, weaken=True)
 
     def _filter(

@@ -30,12 +30,7 @@ class FreeOperator:
     pairs = 3.0
 
     def __init__(
-        self,
-        response: FreeHalfSpace,
-        shape: Shape,
-        lengths: Lengths,
-        *,
-        threads: int | None,
+        self, response: FreeHalfSpace, shape: Shape, lengths: Lengths, *, threads: int | None
     ) -> None:
         self.shape = shape
         self.threads = available_processors() if threads is None else threads
@@ -79,11 +74,7 @@ class FreeOperator:
 
 
 def operator_of(
-    response: Response | FreeHalfSpace,
-    shape: Shape,
-    lengths: Lengths,
-    *,
-    threads: int | None = None,
+    response: Response | FreeHalfSpace, shape: Shape, lengths: Lengths, *, threads: int | None = None
 ) -> FourierOperator | FreeOperator:
     """Return a response on one grid: periodic, or on a patch alone."""
     if isinstance(response, FreeHalfSpace):

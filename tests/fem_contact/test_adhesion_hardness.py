@@ -44,6 +44,13 @@ def test_pressure_obeys_the_bound_where_it_sinks_and_the_law_where_it_is_open(ki
     assert found.volume > 0
 
 
+def test_a_hardness_is_a_number_of_any_kind_or_a_list_of_them():
+    found = sticky(1e-4, 1.0, tolerance=1e-6).contact.pressure
+    whole = np.ones((POINTS, POINTS), dtype=np.uint32)
+    for hardness in (np.uint32(1), whole, whole.tolist()):
+        assert_array_equal(sticky(1e-4, hardness, tolerance=1e-6).contact.pressure, found)
+
+
 def test_a_hardness_above_every_pressure_leaves_adhesion_as_it_is():
     plain, bounded = sticky(1e-4, None), sticky(1e-4, 10.0)
     assert_array_equal(bounded.contact.pressure, plain.contact.pressure)

@@ -146,6 +146,11 @@ def test_what_heights_are_like_follows_from_their_waves():
     assert areas.wavenumber == pytest.approx(mean * np.sqrt(1.5 / 48 / 24), rel=1e-9)
 
 
+def test_a_patch_two_points_wide_is_not_level():
+    heights = np.random.default_rng(0).standard_normal((2, 16))
+    assert height_traits(heights, (1.0, 1.0), patch=True).wavenumber > 1
+
+
 def test_what_heights_are_like_does_not_depend_on_how_their_axes_were_laid():
     noise = np.random.default_rng(17).standard_normal((12, 8))
     laid = ((noise, (1.0, 0.5)), (noise.T, (0.5, 1.0)), (noise[::-1], (1.0, 0.5)))

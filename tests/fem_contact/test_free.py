@@ -3,6 +3,7 @@
 import itertools
 import math
 import pickle
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -11,7 +12,7 @@ from scipy.integrate import dblquad
 from surfaces import rough_surface
 
 from fem_contact import FreeHalfSpace, HalfSpace, InvalidInput, Solid, UnsupportedEffect, adhesion, bem
-from fem_contact.area import contact_areas
+from fem_contact.area import contact_areas, subcell_area
 from fem_contact.complementarity import FreeOperator
 from fem_contact.hardness import Hardness, press_yielding
 from fem_contact.patches import find_patches
@@ -136,6 +137,18 @@ def test_a_rough_patch_pressed_to_its_edges_takes_few_steps():
     surface = rough_surface((96, 96), seed=5, waves=12)
     load = 0.3 * MODULUS * surface.rms_gradient
     assert bem.solve(surface, FREE, mean_pressure=load).checked().cost.iterations <= 18
+
+
+def test_edges_at_one_side_of_a_patch_know_nothing_of_the_other():
+    """A ball that one side cuts, alone and beside one at the other side."""
+    found = pressed(48, centre=(-0.15, 0.0))
+    alone = subcell_area(found)
+    pressure, gap = found.pressure.copy(), found.gap.copy()
+    pressure[24:], gap[24:] = pressure[23::-1], gap[23::-1]
+    both = replace(found, pressure=pressure, gap=gap, in_contact=pressure > 0)
+    assert found.in_contact[0].any()
+    assert not found.in_contact[20:].any()
+    assert subcell_area(both) == pytest.approx(2 * alone, rel=1e-12)
 
 
 def test_what_lies_at_opposite_sides_of_a_patch_does_not_touch():

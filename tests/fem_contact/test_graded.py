@@ -79,6 +79,12 @@ def test_sublayers_of_an_exponential_profile_converge_to_second_order(ratio):
     assert second < 1e-3
 
 
+@pytest.mark.parametrize("ratio", [100.0, 1000.0])
+def test_few_sublayers_stand_for_a_soft_skin_on_a_stiff_body(ratio):
+    few, many = (exponential(n, ratio).compliance(Q, ZERO) for n in (64, 512))
+    assert_allclose(few, many, rtol=2e-4)
+
+
 def test_many_waves_are_interpolated_to_far_below_the_error_of_the_sublayers():
     q = np.geomspace(0.1, 1e4, 5000)
     many = exponential().compliance(q, np.zeros_like(q))

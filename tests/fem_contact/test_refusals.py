@@ -41,6 +41,7 @@ LAW = adhesion.Exponential(work=1e-4, reach=np.sqrt(2.5 / 32 * 1e-4))
 ROUGH = rough_surface((16, 16), seed=7, waves=6)
 FINE = rough_surface((32, 32), seed=11, waves=4, longest=1.9)
 FLAT = HeightField(heights=np.zeros((8, 8)), lengths=(1.0, 1.0))
+POINT = HeightField(heights=np.zeros((1, 1)), lengths=(1e-3, 1e-3))
 AREAS, DIAGONAL = made_areas(0.1, 64, 0.1), np.eye(8, dtype=bool)
 
 given = partial(GivenResponse, contact_modulus=1.0)
@@ -109,6 +110,7 @@ REFUSED = [
     *each(partial(Solid, young=1e9), "poisson", 0.62, 0.5000001, -1.0, np.nan, np.inf, words=POISSON),
     (given, {"function": float}, "must be a function of qx and qy"),
     (press, {"response": given(function=lambda qx, qy: -1 + 0 * qx)}, "compliance"),
+    (press, {"response": given(function=lambda qx, qy: np.ones((2, 2)))}, "compliance is not one positive"),
     (layered, {"thicknesses": [1.0, 2.0]}, "2 thicknesses for 1 layers"),
     *each(layered, "thicknesses", [0.0], [-1.0], [np.nan], [np.inf], words="thicknesses"),
     (partial(ExponentialSolid, surface=SOLID, bulk_young=1.0, depth=1.0), {"sublayers": 3}, "sublayers = 3"),
@@ -118,8 +120,8 @@ REFUSED = [
     (series, {"moduli": (-1.0,), "times": (1.0,)}, "no modulus negative"),
     (series, {"moduli": (1.0,), "times": (0.0,)}, "times = 0.0"),
     (table, {"frequencies": [1.0, 1.0]}, "rising"),
-    (table, {"storage": [1.0, 0.0]}, "storage moduli must be positive"),
-    (table, {"loss": [0.0, -1.0]}, "loss moduli not negative"),
+    (table, {"storage": [1.0, 1e-320]}, "storage = 1e-320: must be a positive"),
+    (table, {"loss": [0.0, -1.0]}, "loss: moduli must not be negative"),
     (table, {"loss": [0.0]}, "must be as many"),
     # Surfaces.
     (field_of, {"heights": np.zeros(4)}, r"heights of shape \(4,\): must be a two-dimensional array \(nx"),
@@ -167,6 +169,7 @@ REFUSED = [
     (stick, {"mean_pressure": 1.0, "offset": 1.0}, "exactly one"),
     (stick, {"offset": 0.0, "start": np.zeros((3, 3))}, "start"),
     (stick, {"offset": -1e-4}, "below the mean height"),
+    (partial(adhesion.solve, POINT, HALF, law=LAW), {"mean_pressure": 0.0}, "one point has no waves"),
     (follow, {"offsets": [0.01, -1e-4]}, "below the mean height"),
     (follow, {"offsets": []}, "empty"),
     (stick, {"mean_pressure": 0.01, "hardness": 0.009}, "hardness with mean 0.009 Pa: must be above the"),

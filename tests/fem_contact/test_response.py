@@ -2,9 +2,10 @@
 
 import numpy as np
 import pytest
-from numpy.testing import assert_allclose
+from numpy.testing import assert_allclose, assert_array_equal
+from surfaces import rough_surface
 
-from fem_contact import BondedLayer, FrictionlessLayer, GivenResponse, HalfSpace, Response, Solid
+from fem_contact import BondedLayer, FrictionlessLayer, GivenResponse, HalfSpace, Response, Solid, bem
 
 
 def test_half_space_compliance_is_two_over_modulus_and_wavevector():
@@ -40,6 +41,14 @@ def test_thin_incompressible_bonded_layer_yields_with_the_cube_of_its_thickness(
     thin = BondedLayer(solid=solid, thickness=1.0).compliance(q, 0 * q)
     # C = q^2 d^3 / (3 G), the lubrication limit, with G = E/3.
     assert_allclose(thin, q**2, rtol=2e-4)
+
+
+def test_one_number_is_the_compliance_of_all_waves():
+    functions = lambda qx, qy: 0.1, lambda qx, qy: 0.1 + 0 * qx * qy
+    one, many = (GivenResponse(contact_modulus=1.0, function=function) for function in functions)
+    surface = rough_surface((16, 12), seed=3, waves=4)
+    found, expected = (bem.solve(surface, body, mean_pressure=1e-3).checked() for body in (one, many))
+    assert_array_equal(found.pressure, expected.pressure)
 
 
 def test_given_response_is_used_as_given():

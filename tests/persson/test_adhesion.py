@@ -130,6 +130,15 @@ def test_a_roll_off_may_reach_zero_unless_there_is_tension(rolloff):
         pull_off_stress(scales[1], interface=interface)
 
 
+def test_a_hardness_that_falls_is_refused_wherever_one_starts():
+    told = {"pressure": 0.0, "interface": Interface(work_of_adhesion=100 * WORK)}
+    stuck = rim(**told)
+    assert stuck.real_area > 0.1
+    for start in (None, stuck):
+        with pytest.raises(InvalidInput, match="falls"):
+            rim(yield_stress=lambda q: 1e9 * (q / 1e6) ** -0.5, start=start, **told)
+
+
 def test_hardness_beyond_reach_changes_nothing_and_a_low_one_yields():
     elastic = rim()
     hard = rim(yield_stress=1e9)

@@ -7,7 +7,7 @@ import pytest
 from scipy.integrate import quad
 
 from persson import FullerTabor, InvalidInput, SelfAffine, bush_gibson_thomas
-from persson.asperities import Asperities
+from persson.asperities import Asperities, yielding_asperities
 from persson.elastic import KAPPA_BGT
 
 BUMPS = Asperities(density=1e9, radius=2e-5, rms_height=3e-7)
@@ -28,6 +28,17 @@ def test_greenwood_williamson_integrals_equal_quadrature(height):
     expected = 4 / 3 * 1e9 * 1e9 * math.sqrt(2e-5) * 3e-7**1.5 * integral(1.5)
     assert found.pressure == pytest.approx(expected, rel=1e-9)
     assert found.patch_area == pytest.approx(math.pi * 2e-5 * 3e-7 * integral(2) / integral(1), rel=1e-9)
+
+
+@pytest.mark.parametrize("height", [-40.0, -300.0, -1e4])
+def test_asperities_that_hardly_yield_bear_what_elastic_ones_do(height):
+    """Heights far below all summits, too: where these are alike each is pressed in as far."""
+    pressed = {"asperities": BUMPS, "contact_modulus": 1e9}
+    found = yielding_asperities(height * 3e-7, hardness=1e16, **pressed)
+    assert found.area_plastic == 0
+    assert found.pressure == pytest.approx(
+        BUMPS.contact(height * 3e-7, contact_modulus=1e9).pressure, rel=1e-9
+    )
 
 
 def test_contact_at_a_pressure_carries_it_and_area_is_nearly_linear():

@@ -131,6 +131,17 @@ def test_a_hardness_that_falls_by_rounding_alone_is_one_that_stands(unit):
             solve(variance, yield_stress=hardness(1e-6), **case)
 
 
+@pytest.mark.parametrize(
+    ("pressure", "wall"),
+    [(0.0, {}), (-1.0, {}), (-2.0, {"tensile_limit": 1.0}), (5.0, {"yield_stress": 1.0})],
+)
+def test_what_nothing_holds_has_no_area_without_roughness_either(pressure, wall):
+    for variances in ([0.0], [0.0, 1e-6]):
+        with pytest.raises(OutsideTheory):
+            solve_diffusion(variances, pressure=pressure, **wall)
+    assert solve_diffusion([0.0], pressure=0.5, yield_stress=1.0).checked().area == [1.0]
+
+
 def test_sine_expansion_is_exact_between_walls_that_stand():
     stress = np.linspace(-0.5, 2.0, 30)
     told = {"pressure": 0.6, "tensile_limit": 0.5, "yield_stress": 2.0}

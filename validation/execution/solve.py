@@ -25,6 +25,8 @@ Compiled = tuple[tuple[str, Mapping[str, Any], tuple[Any, ...]], ...]
 
 #: Raised when a change of the code changes results, so that stored ones are not mistaken for new ones.
 RESULTS_VERSION = 2
+#: Effects that are solved otherwise than before, and since when; solves of before are not found again.
+_SINCE = {"graded": "2026-11-29"}
 
 #: How `fem_contact.area.EDGE_MAPS` locate edges of contact: in the recipe of every solve that keeps a located
 #: area, since one whose edges were located otherwise is another one.
@@ -118,9 +120,10 @@ class Solve(ABC):
     @property
     def recipe_text(self) -> str:
         """Return recipe, kind and version as text: what is hashed, and what is stored beside the result."""
-        return json.dumps(
-            {"results_version": RESULTS_VERSION, "kind": self.kind, **self.recipe}, sort_keys=True
-        )
+        told = {"results_version": RESULTS_VERSION, "kind": self.kind, **self.recipe}
+        if any(effect["kind"] in _SINCE for effect in told.get("effects", ())):
+            told["since"] = _SINCE
+        return json.dumps(told, sort_keys=True)
 
     @cached_property
     def key(self) -> str:

@@ -56,6 +56,9 @@ def assembled_field(solution: BlockSolution, *, tolerance: float) -> Array:
     matrix = above_bottom(assemble(mesh, poisson=poisson, modulus=modulus), mesh)
     forces = np.zeros((*mesh.shape, mesh.planes.size - 1, 3))
     forces[:, :, -1, 2] = -nodal_force(solution.contact.pressure / solution.solid.young, mesh)
+    field = np.zeros((*mesh.shape, mesh.planes.size, 3))
+    if not forces.any():
+        return field
     smoother = ("block_gauss_seidel", {"sweep": "symmetric"})
     hierarchy = pyamg.smoothed_aggregation_solver(
         matrix,
@@ -73,7 +76,6 @@ def assembled_field(solution: BlockSolution, *, tolerance: float) -> Array:
     residual = float(np.linalg.norm(right - matrix @ solution_vector) / np.linalg.norm(right))
     if not residual <= tolerance:
         raise NotConverged(f"assembled block: residual {residual:.2g} after {_STEPS} steps of pyamg's cycle")
-    field = np.zeros((*mesh.shape, mesh.planes.size, 3))
     field[:, :, 1:] = solution_vector.reshape(forces.shape) * width
     return field
 

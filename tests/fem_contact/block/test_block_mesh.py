@@ -3,7 +3,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fem_contact.block import graded_layers, plan_mesh
+from fem_contact.block import ELEMENTS, BlockMesh, graded_layers, plan_mesh
 
 
 @given(depth=st.floats(0.05, 5e3), growth=st.floats(1.0, 2.0))
@@ -14,6 +14,11 @@ def test_layers_fill_the_depth_and_grow_no_faster_than_asked(depth, growth):
     assert np.all(ratios >= 1 - 1e-12)
     assert np.all(ratios <= growth * (1 + 1e-9))
     assert layers[0] <= 1 + 1e-9
+
+
+def test_layers_may_be_a_list():
+    mesh = BlockMesh(cells=(2, 2), aspect=1.0, layers=[1.0, 2.0], element=ELEMENTS["Hex1"])
+    assert mesh.nz == 2
 
 
 def test_default_mesh_starts_with_cubes_and_is_one_period_deep():

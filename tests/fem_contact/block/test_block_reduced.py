@@ -7,6 +7,7 @@ from surfaces import rough_surface
 
 from fem_contact import HeightField, InsufficientMemory, Solid, Status, bem
 from fem_contact.block import ELEMENTS, BlockResponse, plan_mesh, solve, solve_displacement, solve_path
+from fem_contact.block.full.assembled import assembled_field
 from fem_contact.block.solution import ArraySource
 
 SOLID = Solid(young=3e9, poisson=0.3)
@@ -135,6 +136,8 @@ def test_surfaces_held_apart_bear_nothing(method):
     assert contact.gap.min() > 0
     assert not solution.field.any()
     assert "nothing to solve" in contact.provenance["method"]
+    assert solution.equilibrium().residual == 0
+    assert not assembled_field(solution, tolerance=1e-8).any()
 
 
 def test_flat_surface_driven_in_by_an_approach_compresses_uniformly():
