@@ -182,6 +182,7 @@ ASKED = {
     "one grid": _asked(_on("[24]"), _load("reduced_pressure = 0.005"), judged="area_own"),
     # The load is that of the finest grid unshifted.
     "a distance": _asked(_load('offset = "50 nm"'), judged="pressure | reduced_pressure", moved="pressure"),
+    "a distance under attraction": _asked(STICKY, _load('offset = "20 nm"'), judged="residual, load"),
     # What is infinite is nothing in JSON.
     "heat": _asked(
         *(_load("reduced_pressure = 4.0"), '[quantities.thermal]\nconductivity = "4 W/(m K)"\n'),
@@ -201,6 +202,15 @@ def test_every_number_follows_from_the_fields_whatever_was_asked(audited, tmp_pa
     assert [part for part in judged if not any(name.startswith(part) for name in names)] == []
     if moved:
         assert moved in _changed(tmp_path / "results", lambda d: d.assign({moved: 1.01 * d[moved]}))
+
+
+def test_of_a_sweep_with_a_case_that_failed_the_others_are_judged(write_scene, tmp_path):
+    scene = write_scene(_load('offset = "50 nm"'), fem=False)
+    swept = load_asked(str(scene), ["sweep.load.offset=['50 nm', '1 mm']"])
+    run_sweep(swept, tmp_path / "out", report=False)
+    ledger = sound(tmp_path / "out")
+    assert any(entry.name == "area_own at offset = 5e-08" for entry in ledger.entries)
+    assert "offset = 0.001: its solves failed" in ledger.unread
 
 
 def test_with_adhesion_tension_and_balance_are_judged_and_the_theory_is_listed(audited, tmp_path):

@@ -4,9 +4,12 @@ import os
 
 import numpy as np
 import pytest
+from small_scene import scene_in, square_scene
 
 from fem_contact import HeightField, NotConverged, Solid
 from validation.effects.base import ContactModel
+from validation.errors import UsageError
+from validation.scenes.problem import realise
 from validation.solvers import find_solver
 from validation.solvers.base import Job, example_field
 from validation.solvers.calculix import _YOUNG, _deck
@@ -42,6 +45,14 @@ def test_calculix_and_our_full_block_agree_in_nodal_forces(shape, lengths, poiss
     assert np.array_equal(theirs.in_contact, ours.in_contact)
     assert theirs.cost.cpu_seconds > 0
     assert theirs.offset == pytest.approx(ours.offset, abs=1e-6 * np.abs(ours.displacement).max())
+
+
+def test_a_solid_on_which_its_cells_lock_is_refused(tmp_path):
+    text = square_scene("[methods.calculix]\ngrids = [12]\n").replace("poisson = 0.3", "poisson = 0.45")
+    scene = scene_in(tmp_path, text)
+    options = scene.methods.options("calculix")
+    with pytest.raises(UsageError, match=r"poisson = 0\.45: cells of method 'calculix' lock above 0\.4"):
+        CALCULIX.check(options, realise(scene), scene.effects)
 
 
 def test_each_node_of_the_deck_is_one_and_each_that_is_named_is_there():

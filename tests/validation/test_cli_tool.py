@@ -213,6 +213,8 @@ def test_keys_of_a_scene_are_listed_with_unit_meaning_and_default(done):
     assert listed[workers + 1].endswith("1 runs everything in the process itself; default: 1")
     assert len(listed) > 150
     assert done("scenes keys 'mean gap'").count("\n") == 2
+    # A key that means another thing for another kind of surface is listed for both.
+    assert 'surface.lambda_short = "50 nm"    # [surface], kind = "file"' in done("scenes keys noise")
     assert 'sweep.mode = "product"' in done("scenes keys sweep")
     assert "load.mean_gap=" in key_names()
 
@@ -295,6 +297,7 @@ def test_options_stand_in_the_scene_too_and_the_command_line_goes_before(write_s
         ("workers = 0", "run.workers = 0"),
         ('memory = "3 m"', "run.memory = '3 m'"),
         ('scheduler = "tcp://x:1"', "run: scheduler: is chosen on the command line alone: --scheduler"),
+        ('output = "."', "run.output = '.': must lie below the folder"),
         ('output = "/tmp/elsewhere"', "run.output = '/tmp/elsewhere': must lie below the folder"),
         ('store = "results/../../solves"', "run.store = 'results/../../solves': must lie below the folder"),
         ('output = "link/results"', "'link/results' is a link that leads to"),

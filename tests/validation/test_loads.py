@@ -100,6 +100,14 @@ def test_bodies_too_far_apart_to_touch_are_told_to_come_closer(scene, tmp_path):
         run_scene(scene('offset = "1 mm"'), tmp_path / "out", report=False)
 
 
+def test_a_contact_that_is_pulled_is_not_said_to_be_none(scene, tmp_path):
+    asked = scene('offset = "60 nm"', more=STICKS.replace("1 mJ", "20 mJ").replace("20 nm", "200 nm"))
+    with pytest.raises(
+        RunFailed, match=r"offset = 60 nm: 0\.\d+ of the area touches, and is pulled; come closer"
+    ):
+        run_scene(asked, tmp_path / "out", report=False)
+
+
 def test_a_held_distance_is_explained_as_one(scene):
     told = dict(explain(scene('mean_gap = "40 nm"')).facts)
     assert told["load"] == "mean gap = 40 nm is held; the load that takes follows from the solve"

@@ -93,6 +93,7 @@ REFUSED = [
     ("refinement --shifts 1 --points-per-wave 3,4", "with shifts = 1 a limit over grids needs three solves"),
     ("refinement --surfaces 1", "--surfaces = '1': must be greater than or equal to 2"),
     ("heights --periods 1,1.9", "periods = 1.9, the last: must be at least longer = 2"),
+    ("area --grids 48,32,24", "--grids = 48,32,24: must be positive and rising"),
     ("scaling --grids 64,128", "at least 3"),
     ("scaling --grids 128,64,256", "must be positive and rising"),
     ("scaling --grids 8,64,128", "must be above L/lambda_long"),

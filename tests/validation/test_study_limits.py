@@ -79,6 +79,13 @@ def test_a_line_takes_as_many_samples_of_each_group_as_were_solved():
     assert np.isnan(fit(data, "kappa").kappa_limit)
 
 
+@pytest.mark.parametrize("at", [(1.0, 1.0), (0.4,)])
+def test_rungs_at_one_place_have_no_line(at):
+    found = fitted_line([[2.4, 2.6, 2.5], [2.6, 2.7, 2.8]][: len(at)], at, common=True)
+    assert np.isnan([found.limit, found.slope, found.slope_scatter]).all()
+    assert found.reach == np.inf
+
+
 def test_conditioning_hides_a_wrong_generator_and_the_ensemble_shows_it():
     surface = base_surface(hurst=0.6, seed=61, **SMALL)
     loads, right = np.array([0.01, 0.1]), float(spectrum_of(surface).moments().rms_gradient)
@@ -90,6 +97,7 @@ def test_conditioning_hides_a_wrong_generator_and_the_ensemble_shows_it():
     assert wrong[0] / conditional[0] == pytest.approx(1.1, rel=1e-3)
     both = xr.Dataset({"area_persson": ("load", conditional[:1]), "area_ensemble": ("load", wrong[:1])})
     assert modes_finding(both).values["high"].value == pytest.approx(0.1, rel=1e-3)
+    assert "No place is shown" in modes_finding(both.isel(load=[])).text
 
 
 def test_distributions_hold_the_area_the_load_and_every_patch(measured):

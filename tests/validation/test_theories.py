@@ -100,6 +100,10 @@ def test_a_theory_of_a_wrong_shape_is_refused_by_name(tmp_path, monkeypatch, rou
         find_theory("linear:area").area(np.array([1.0, 3e6]), rough)
     with pytest.raises(UsageError, match=r"'shapeless:area': area of shape \(\): must have \(2,\)"):
         find_theory("shapeless:area").area(np.ones(2), rough)
+    written("mean_gap = 3.0\ndef area(pressure): return 0.5j * pressure\n", "complex_theory")
+    with pytest.raises(UsageError, match="area raised TypeError: complex numbers"):
+        find_theory("complex_theory").area(np.ones(2), rough)
+    assert "mean_gap" not in vars(find_theory("complex_theory"))
     with pytest.raises(UsageError, match=r"raised NameError.*; it is given an array, pressures"):
         find_theory("shapeless:bad").area(np.ones(2), rough)
 

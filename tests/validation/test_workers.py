@@ -180,6 +180,24 @@ def test_a_look_longer_than_the_patience_is_told_and_followed_by_another(tmp_pat
     assert ["waiting for up to 4 s" in note for note in progress.notes] == [True]
 
 
+def test_a_scheduler_is_lost_once_it_was_silent_whatever_was_waited_for_before(tmp_path, monkeypatch):
+    from validation.execution import cluster as module
+
+    seconds, progress = itertools.count(0, 20), Notes()
+    looks = iter([{}, {}, {}, {}, OSError(), {}, {"a": 1e9}])
+
+    def look(*_):
+        if isinstance(found := next(looks), OSError):
+            raise found
+        return found
+
+    clock = types.SimpleNamespace(monotonic=lambda: next(seconds), sleep=lambda _: None)
+    monkeypatch.setattr(module, "time", clock)
+    monkeypatch.setattr(module, "_memory_limits", look)
+    client = types.SimpleNamespace(status="running")
+    assert module._Cluster(client, "tcp://a", Store(folder=tmp_path), progress, 600.0).limits == {"a": 1e9}
+
+
 @pytest.mark.filterwarnings("default")  # of dask's own threads and sockets
 def test_what_a_scheduler_hands_out_is_solved_and_stored(tmp_path):
     distributed = pytest.importorskip("distributed", reason="LOUD: no Dask installed, no cluster is tested")

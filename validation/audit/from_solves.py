@@ -157,6 +157,8 @@ def value_of(node: ast.AST, value: Callable[[str], Any]) -> Any:
         return _FUNCTIONS[node.func.id](*(value_of(part, value) for part in node.args))
     if isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute) and node.func.attr in _REDUCED:
         how = {str(k.arg): ast.literal_eval(k.value) for k in node.keywords}
+        if node.func.attr == "sum":
+            how["min_count"] = 1  # of a case that failed there is none
         reduced = getattr(value_of(node.func.value, value), node.func.attr)
         return reduced(*map(ast.literal_eval, node.args), **how)
     raise LookupError(ast.dump(node))

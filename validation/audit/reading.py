@@ -51,7 +51,7 @@ def judge_fields(k: int, solve: Stored, run: Run, ledger: Ledger) -> None:
     misfit = np.max(np.abs(solve.gap - (solve.u - solve.h + float(solve.attrs["offset"]))))
     ledger.number(place, "gap less u - h + offset, over the height", misfit / height, 0.0, atol=1e-9)
     ledger.same(place, "status", solve.attrs["status"], "CONVERGED")
-    residuals = solve.residuals(pressure)
+    residuals = solve.residuals(solve.mean_pressure if run.holds_distance else pressure)
     if residuals is None:
         ledger.unread.append("residuals under an attraction of another law than the exponential")
     for name, value in (residuals or {}).items():

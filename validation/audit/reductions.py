@@ -87,6 +87,7 @@ def _mean(values: Array, there: Array) -> Array:
 
 
 def _mean_errors(one: Reduced) -> dict[str, Array]:
+    """Half widths of a mean by source: scatter of `n` samples (a pair is one), grids of `count` surfaces."""
     (samples, kept), (values, there) = _samples(one), _samples(one, paired=False)
     n, count = kept.sum(axis=-1), np.maximum(there.sum(axis=-1), 1)
     with np.errstate(invalid="ignore", divide="ignore"):  # of infinite samples, and of one
@@ -189,7 +190,7 @@ def _line(one: Reduced) -> Array:
         error = np.array([math.sqrt(np.sum((g - g.mean()) ** 2) / (g.size - 1) / g.size) for g in groups])
         if one.flag("common"):
             error = np.ones(means.size)
-        if not np.isfinite([*means, *error]).all():
+        if not np.isfinite([*means, *error]).all() or np.ptp(x[place]) == 0:
             continue
         weight = 1 / np.maximum(error, 1e-3 * error.max() + 1e-300)
         found[:, *place] = np.polyfit(x[place], means, 1, w=weight / weight.max())[::-1]

@@ -46,6 +46,9 @@ def audit_run(result: Result) -> tuple[Ledger, list[Run]]:
     for scene, at, words in _cases(record["asked"], result, ledger):
         here = {name: variable.isel(at, missing_dims="ignore") for name, variable in result.data.items()}
         run = Run(scene, partial(result.solve, read=Stored), here)
+        if run.failed and not run.solves:
+            ledger.unread.append(f"{words or 'the run'}: its solves failed")
+            continue
         if not run.methods:
             raise LookupError("a scene of the theory alone stores no field")
         if run.measured and "wave_short" in here:  # two points of a file that is not read here
@@ -130,6 +133,10 @@ class Run:
                 raise LookupError(f"no solve {key} in the store")
             if (k := self._realisation(stored.recipe)) is not None:
                 self.solves.setdefault((stored.method, stored.grid, stored.shift, k), stored)
+        #: Whether some failed, which are rows without numbers.
+        self.failed = "failures" in data and bool(str(data["failures"].values))
+        if self.failed:
+            self.methods = [name for name in self.methods if any(name == key[0] for key in self.solves)]
 
     def _realisation(self, recipe: dict[str, Any]) -> int | None:
         """Return which realisation of the scene a recipe asks for; None if it is of another scene."""
@@ -224,7 +231,7 @@ class Run:
 
     def residual(self, solve: Stored) -> float:
         """Return the largest of the four residuals, of the load, too; NaN where they are not read."""
-        pressure = self.pressure()
+        pressure = solve.mean_pressure if self.holds_distance else self.pressure()
         residuals = solve.residuals(pressure) or {"": math.nan}
         if self.adhesive or self.holds_distance or math.isnan(pressure):
             return max(residuals.values())
@@ -343,6 +350,8 @@ def _of_solves(run: Run) -> Expected:
     grids = ((m, grid) for m in run.methods for grid in sorted(map(tuple, run.options[m]["grids"])))
     for method, grid in grids:
         solves, at = run.shown(method, grid), {"solver": method, "grid": f"{grid[0]} x {grid[1]}"}
+        if not solves and run.failed:
+            continue
         if not solves:
             raise LookupError(f"no stored solve of {method} on {grid[0]} x {grid[1]}")
         density = math.nan if run.adhesive else fmean(s.density_at_zero for s in solves)

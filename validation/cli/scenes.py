@@ -112,7 +112,7 @@ def generate(
 
     surface = load_scene(scene).surface
     if realisation and isinstance(surface, FileSurface):
-        raise UsageError(f"--realisation = {realisation}: a measured surface has one realisation")
+        raise UsageError(f"--realisation = {realisation}: of a measured surface the first map is written")
     if grid is not None:
         check_fits((grid, grid), f"--grid = {grid}:", remedy="choose fewer")
     field = height_field(surface, None if grid is None else (grid, grid), realisation=realisation)

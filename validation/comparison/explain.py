@@ -21,6 +21,7 @@ from validation.execution.press import Press, run_solves
 from validation.execution.solve import Prediction, transform_seconds
 from validation.measurements.measurement import has_square_cells
 from validation.report.quantities import as_length, in_prefixed_unit
+from validation.report.words import significant
 from validation.scenes.checks import check_scene
 from validation.scenes.problem import ContactProblem, realise
 from validation.scenes.scene import Scene, affordable, usual_grids
@@ -90,15 +91,16 @@ class Explanation:
                 table.add_column(column, justify="right")
             for g in self.grids:
                 counts = f"{g.points_per_wave:.3g}", str(g.solves), f"{g.unknowns:,}"
-                sizes = f"{g.seconds:.2g}", f"{g.peak_bytes / 2**20:.3g}"
+                sizes = significant(g.seconds, 2), significant(g.peak_bytes / 2**20, 3)
                 table.add_row(g.method, grid_name(g.grid), *counts, *sizes)
             yield table
             yield (
-                f"About {self.seconds:.2g} s of solving and {self.peak_bytes / 2**20:.0f} MiB at most on "
-                "this machine (meant to be right within a factor of 2); start and page take seconds more."
+                f"About {significant(self.seconds, 2)} s of solving and {self.peak_bytes / 2**20:.0f} MiB "
+                "at most on this machine (meant to be right within a factor of 2); start and page take "
+                "seconds more."
             )
         else:
-            yield "No solver runs: the theory answers from C(q) alone, in about a second for each load."
+            yield "No solver runs: the theory answers from C(q) alone."
         if self.costs:
             yield f"Solves with effects are predicted from their cost over plain ones, {self.costs}."
         none = "" if self.effects else " none beyond linear elasticity."
@@ -207,8 +209,9 @@ class SweepExplanation:
         yield f"Sweep of scene {self.sweep.name}: {len(self.cases)} cases, {joined} {named}"
         yield (
             f"{whole['solves']} solves; {whole['asked'] - whole['solves']} more are shared between cases: "
-            f"about {whole['seconds']:.2g} s one after the other and {whole['peak_bytes'] / 2**20:.3g} MiB "
-            "at most (meant to be right within a factor of 2); start and page take seconds more."
+            f"about {significant(whole['seconds'], 2)} s one after the other and "
+            f"{significant(whole['peak_bytes'] / 2**20, 3)} MiB at most (meant to be right within a factor "
+            "of 2); start and page take seconds more."
         )
         if last > 1:
             yield "The first and the last of them:"

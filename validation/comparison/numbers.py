@@ -49,11 +49,11 @@ def scene_data(
 ) -> xr.Dataset:
     """Put all solves of a scene into one dataset, beside the theory.
 
-    It is over (method, grid, shift) of the scene's own surface, and (surface) of an ensemble. ``area`` is
+    It is over (solver, grid, shift) of the scene's own surface, and (surface) of an ensemble. ``area`` is
     that of the scene: the mean over the surfaces of an ensemble, else ``area_own``. What failed, and why, is
     a row without numbers, and `accurate` what was reached where grids were chosen for it.
 
-    A RunFailed where no solve of its own surface succeeded, or nothing touches.
+    A RunFailed where no solve of its own surface succeeded, or what holds a distance does not press.
     """
     areas, numbers = {}, {}
     for solve in results:
@@ -63,10 +63,14 @@ def scene_data(
     if not case.own:
         raise RunFailed(case.failed)
     if problem.load.held:
-        pressure = float(numbers[case.ladder(case.own[0].method)[-1]].mean_pressure)
+        finest = case.ladder(case.own[0].method)[-1]
+        pressure = float(numbers[finest].mean_pressure)
         if not pressure > 0:
             held = f"load.{problem.load.key} = {as_length(problem.load.values[0])}"
-            raise RunFailed(f"{held}: nothing touches so far apart; come closer")
+            share = float(results[finest].in_contact.mean())
+            pulls = f"{share:.2g} of the area touches, and is pulled"
+            why = pulls if share else "nothing touches so far apart"
+            raise RunFailed(f"{held}: {why}; come closer")
         case = replace(case, problem=problem.under(Load(pressure=pressure)))
     data = _on_grids(case)
     data = _own_area(data, case)
@@ -174,7 +178,8 @@ def _value_of(areas: Sequence[ContactAreas], tolerance: float) -> xr.Dataset:
         more = "the grids tell no limit"
         if grids == 1:
             more = f"a second grid of {LEAST_POINTS_PER_WAVE:g} points per shortest wave gives the limit"
-        basis = f"one grid, {how}; {more}"
+        few = math.isnan(value)
+        basis = f"{more}, and the finest has too few points in contact" if few else f"one grid, {how}; {more}"
     return xr.Dataset({"area": value, "half": half, "left": left, "basis": basis, "why": why})
 
 

@@ -87,7 +87,7 @@ class _Cluster:
         A RunFailed once none came within the patience, or a scheduler that was lost has not answered for
         `_LOST_AFTER` seconds; at once where our own client is closed.
         """
-        began, noted = time.monotonic(), False
+        began, noted, before = time.monotonic(), False, ""
         while True:
             patience, lacking = self.patience, "no workers"
             remedy = "start workers (dask worker ... --nthreads 1)"
@@ -100,6 +100,8 @@ class _Cluster:
             except Exception as error:  # Dask raises what its state makes of a lost connection
                 lacking, remedy = f"the scheduler is lost ({type(error).__name__})", "start it again"
                 patience = 0.0 if self.client.status == "closed" else _LOST_AFTER
+            if lacking != before:
+                began, before = time.monotonic(), lacking
             waited = time.monotonic() - began
             problem = f"--scheduler = {self.address!r}: {lacking} for {waited:.0f} s"
             if waited > _TOLD_AFTER and not noted:

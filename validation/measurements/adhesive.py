@@ -220,7 +220,10 @@ def shares_by_shell(
         for reading, solution in theory.items()
     }
     data |= {
-        "energy_share_each": ("shell", stored[:-1] / full[:-1]),
+        "energy_share_each": (
+            "shell",
+            np.divide(stored, full, where=full > 0, out=np.full(full.shape, np.nan))[:-1],
+        ),
         "energy_beyond_each": stored[-1] / stored.sum(),
     }
     return xr.Dataset(data, coords={"wave": ("shell", edges[1:] / edges[0])}, attrs=solve_of(measured))

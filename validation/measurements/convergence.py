@@ -80,11 +80,12 @@ def fitted_line(samples: Iterable[ArrayLike], x: ArrayLike, *, common: bool = Fa
     at = np.asarray(x, dtype=float)
     if not all(np.isfinite(group).all() for group in groups):
         return Line(*[math.nan] * len(Line._fields))
+    span = abs(at[0] - at[-1])
+    if span == 0:  # one place has no line
+        return Line(*[math.nan] * len(Line._fields))._replace(reach=math.inf)
     values, scatter = _least_squares(groups, at, common=common)
     later = _least_squares(groups[1:], at[1:], common=common)[0] if at.size > 2 else values
-    span = abs(at[0] - at[-1])
-    reach = abs(at[-1]) / span if span > 0 else math.inf
-    return Line(*map(float, (*values, *scatter, *abs(later - values), reach)))
+    return Line(*map(float, (*values, *scatter, *abs(later - values), abs(at[-1]) / span)))
 
 
 def _least_squares(samples: Sequence[Array], x: Array, *, common: bool) -> tuple[Array, Array]:
@@ -313,10 +314,10 @@ class Ladders:
 def spectral_errors(
     ladders: xr.Dataset, *, hurst: xr.DataArray | float, bandwidth: xr.DataArray | float, periods: float
 ) -> dict[str, xr.DataArray]:
-    """Return how far kappa may be from that of endless bandwidth and sample, relative, by source, for `claim`.
+    """Return how far kappa may be from that of an endless band and sample, relative, by source, for `claim`.
 
-    It is the shift along the ladder and its interval, or that of the limit if it is larger, over the limit;
-    NaN without a ladder of this H, or a limit.
+    With the step x at this bandwidth or sample it is (|slope| x + the larger of two half widths) / limit:
+    that of slope x, and that of the limit by this source. NaN without a ladder of this H, or a limit.
     """
     shares: dict[str, Any] = {}
     for kind, (_, source) in LADDERS.items():

@@ -121,6 +121,7 @@ def with_diffusion_terms(data: xr.Dataset) -> xr.Dataset:
 
 
 def _terms(data: xr.Dataset) -> xr.Dataset:
+    """Add all budgets, in this order: restarts read what the area budget adds."""
     for add in (
         _with_square_budget,
         _with_area_budget,
@@ -273,7 +274,7 @@ def _with_memory(data: xr.Dataset) -> xr.Dataset:
 
 
 def exponents(values: xr.DataArray, steps: xr.DataArray) -> xr.DataArray:
-    """Exponent of a step between neighbouring ones, and over all of them (last): (..., pair)."""
+    """Exponent of a step between neighbouring ones, and over all of them (last): (step_pair, ...)."""
     along, last = str(steps.dims[0]), steps.size - 1
     pairs = np.array([*itertools.pairwise(range(steps.size)), (0, last)]).T
     start, end = ({along: xr.DataArray(places, dims="step_pair")} for places in pairs)

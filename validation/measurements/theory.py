@@ -147,10 +147,12 @@ def with_variants(data: xr.Dataset) -> xr.Dataset:
 def modes_finding(data: xr.Dataset) -> Finding:
     """Say how far the two modes of the theory are apart over all of a dataset: ``area_ensemble``, ``area_persson``."""
     change = (data.area_ensemble / data.area_persson - 1).values
+    if not change.size:
+        return note("No place is shown at which C(q) and the realised gradient could be compared.")
     if not np.isfinite(change).any():
         return note(
             "There is no C(q) but that of the measured period itself, which the theory is told (conditional)."
         )
     form = "Told C(q) alone instead of the realised gradient, the theory's area changes by {low:+%} to {high:+%}: the sum "
     form += "over the waves of a finite period against the integral."
-    return finding("comparison", form, low=float(change.min()), high=float(change.max()))
+    return finding("comparison", form, low=float(np.nanmin(change)), high=float(np.nanmax(change)))

@@ -94,7 +94,7 @@ def _stacked(values: Mapping[Any, xr.DataArray], sizes: Mapping[str, int]) -> tu
 
 
 def each(data: xr.Dataset, *dims: str) -> Iterator[xr.Dataset]:
-    """Yield what a dataset holds at each place along some dimensions, the last one running first.
+    """Yield what a dataset holds at each place along some dimensions, the last of which runs fastest.
 
     >>> import xarray as xr
     >>> data = xr.Dataset({"area": (("surface", "load"), [[1.0, 2.0], [3.0, 4.0]])})

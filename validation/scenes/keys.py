@@ -69,7 +69,14 @@ def facts(info: FieldInfo) -> tuple[str, str]:
 
 def key_lines(word: str) -> Iterator[str]:
     """Yield two lines for each key whose name or meaning has a word: its example, then what it means."""
-    every = [(f"{key} = {example_of(info)}", *facts(info)) for key, info in scene_keys({}).items()]
+    every, told = [], set[tuple[str, ...]]()
+    for place, head, table in tables():
+        for name, info in table.model_fields.items():
+            key, about = f"{place}.{name}".lstrip("."), facts(info)
+            if not (name == "kind" and place.startswith("effects.")) and (key, *about) not in told:
+                of = f"    # {head.replace('`', '')}" if any(key == known for known, *_ in told) else ""
+                told.add((key, *about))
+                every.append((f"{key} = {example_of(info)}{of}", *about))
     every.append(("sweep.load.reduced_pressure = [0.01, 0.03, 0.1]", SWEPT, ""))
     every.append(('sweep.mode = "product"', MODE, "product"))
     for example, meaning, default in every:

@@ -171,9 +171,9 @@ def sampled(waves: RandomWaves, surface: RandomSurface, grid: Grid, shift: Pair 
 
 
 def height_field(surface: Surface, grid: Grid | None = None, *, realisation: int = 0) -> HeightField:
-    """Heights of one realisation; `ContactProblem` makes them for many grids.
+    """Heights of a realisation, or of the first map of a file; `ContactProblem` makes them for many grids.
 
-    Without a grid on the smallest that resolves it, so that its moments are the surface's own.
+    Without a grid on the smallest that resolves it, so that its moments are its own; a map on its own points.
     """
     if isinstance(surface, FileSurface):
         field = Measured.read(surface).field

@@ -415,8 +415,8 @@ class Quantities(Table):
 
 
 def _inside(path: Path) -> Path:
-    """Refuse a folder outside the one a scene runs in: a scene may not choose what is written over."""
-    if path.is_absolute() or path.drive or ".." in path.parts:
+    """Refuse a folder not below the one a scene runs in: a scene may not choose what is written over."""
+    if path.is_absolute() or path.drive or ".." in path.parts or not path.parts:
         raise wrong(
             "must lie below the folder the scene runs in, such as 'results/mine'; any other is named on the "
             "command line"

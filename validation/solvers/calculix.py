@@ -24,6 +24,7 @@ from fem_contact import contact
 from fem_contact.errors import NotConverged
 from validation.arrays import Array
 from validation.effects.base import Effect
+from validation.errors import UsageError
 from validation.solvers.base import Blocks, Claim, Cost, Job, Size, Solved
 from validation.solvers.external import verified
 from validation.solvers.fem import BlockSolver, planned, unknowns_of
@@ -34,6 +35,8 @@ if TYPE_CHECKING:
 
 #: Young's modulus in the deck: its criteria are absolute, and forces must be large beside them.
 _YOUNG = 1e12
+#: Poisson ratio up to which its cells answer as those of `fem`: at .45 the area is 8 % smaller, at .49 18 %.
+_LOCKING = 0.4
 #: Range of the heights over the longer period in the deck, or its mean strain: gap elements make it a problem
 #: of finite deflections, which are too small to matter, and the answer is scaled back.
 _RANGE = 3e-8
@@ -78,7 +81,12 @@ class Calculix(BlockSolver):
         return effect.kind_name() == "thickness"
 
     def check(self, options: CalculixOptions, problem: ContactProblem, effects: Sequence[Effect]) -> None:
-        """Refuse a layer that is not bonded to its base, and two depths."""
+        """Refuse a layer that is not bonded to its base, two depths, and a solid on which its cells lock."""
+        if problem.solid.poisson > _LOCKING:
+            why = (
+                f"cells of method 'calculix' lock above {_LOCKING}; leave [methods.calculix] out or lower it"
+            )
+            raise UsageError(f"solid.poisson = {problem.solid.poisson!r}: {why}")
         self.check_bodies(problem, effects, depth=options.depth)
 
     def cost(self, size: Size) -> Cost:

@@ -10,7 +10,7 @@ import numpy as np
 import xarray as xr
 
 from validation.arrays import Grid
-from validation.measurements.common import Rising
+from validation.measurements.common import Rising, RisingGrids
 from validation.measurements.limits import limit_of, resolved_grids
 from validation.report.estimates import derive, mean
 from validation.report.places import gather, spread
@@ -29,8 +29,8 @@ class Options(PressedOptions):
     """p* = p0 / (E* h'_rms) with the realised gradient"""
     seed: Seed = 11
     surfaces: Surfaces = 4
-    grids: tuple[int, ...] = (64, 96, 128)
-    """points along a side, two or more of them with at least 3 points per shortest wave"""
+    grids: RisingGrids = (64, 96, 128)
+    """points along a side, rising, two or more of them with at least 3 points per shortest wave"""
     periods: Periods = 2.0
     bandwidth: Bandwidth = 4.0
 

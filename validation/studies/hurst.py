@@ -104,7 +104,7 @@ class Options(StudyOptions):
         options = self.model_dump(include={"periods", "shifts", "seed"})
         of_ladders = ("bandwidths", "pairs", "points_per_wave", "reduced_pressure")
         options |= {name: getattr(self, f"ladder_{name}") for name in of_ladders}
-        return Ladders(hursts=hursts, sizes=self.ladder_periods, **options)
+        return Ladders(hursts=tuple(sorted(set(hursts))), sizes=self.ladder_periods, **options)
 
 
 #: What is solved: a family of spectra, or which ladder, then H and what else tells it apart.

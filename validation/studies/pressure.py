@@ -12,6 +12,7 @@ from validation.measurements.measurement import TOLERANCE, press_on_grids
 from validation.measurements.statistics import kolmogorov_smirnov
 from validation.measurements.theory import RANKED, modes_finding
 from validation.report.estimates import change, derive, mean, ratio_of_means
+from validation.report.findings import note
 from validation.report.values import value_of
 from validation.report.views import Column, Figure, Findings, Level, Line, Table, Views, against, finding
 from validation.studies._options import Shifts
@@ -119,6 +120,9 @@ def views(data: xr.Dataset) -> Views:
 
 def _findings(data: xr.Dataset) -> Findings:
     some = data.isel(theory=0, load=picked_loads(data))
+    if not some.sizes["load"]:
+        yield note("All loads are of nearly full contact.")
+        return
     form = "The contact area is {each} (lambda_long/lambda_short = {bandwidth})."
     item = "{verdict} Persson's, {area_excess:+%}, at A/A0 = {area:~}"
     yield finding("comparison", form, some, item=item, by="area_excess")

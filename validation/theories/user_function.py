@@ -47,18 +47,21 @@ class OwnTheory(Theory):
         if module is None:
             return None
         names = {name: "area"} if colon else {quantity: quantity for quantity in _QUANTITIES}
-        values = {kind: getattr(module, have) for have, kind in names.items() if hasattr(module, have)}
-        if not callable(values.get("area")):
+        values = {kind: f for have, kind in names.items() if callable(f := getattr(module, have, None))}
+        if "area" not in values:
             raise UsageError(f"theory {text!r}: module {home!r} has no function {name or 'area'!r}")
         return cls(text, values)
 
     def _called(self, quantity: str, function: Callable[..., Any], *told: Any) -> Array:
         *values, rough = told
-        parameters = inspect.signature(function).parameters
-        inputs = {name: getattr(rough, name) for name in _TOLD if name in parameters}
         shape = np.shape(values[0])
         try:
-            result = np.asarray(function(*values, **inputs), dtype=float)
+            parameters = inspect.signature(function).parameters
+            inputs = {name: getattr(rough, name) for name in _TOLD if name in parameters}
+            result = np.asarray(function(*values, **inputs))
+            if np.iscomplexobj(result):
+                raise TypeError("complex numbers")
+            result = result.astype(float)
         except Exception as error:  # whatever it raises is its answer
             raise UsageError(
                 f"theory {self.label!r}: {quantity} raised {type(error).__name__}: {error}; it is given an "
