@@ -185,6 +185,12 @@ def test_with_an_effect_the_corrected_area_is_claimed(effect, read_scene, bench)
     assert "corrected at its edge" in next(iter(reached.sentences()))
 
 
+def test_bodies_held_too_far_apart_to_touch_are_told_so(read_scene, bench):
+    far = read_scene(("reduced_pressure = 0.1", 'offset = "1 mm"'), fem=False)
+    with pytest.raises(RunFailed, match=r"load.offset = 1 mm: nothing touches so far apart; come closer"):
+        reach(far, bench, target=0.1)
+
+
 def test_finite_elements_are_put_beside_on_their_own_grids(read_scene, bench):
     scene = read_scene(("grids = [[12, 8], [24, 16]]", "grids = [[12, 6], [24, 12]]"))
     reached = reach(scene, bench, target=0.05)

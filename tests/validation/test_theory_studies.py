@@ -57,6 +57,9 @@ def test_the_pressure_study_says_from_where_on_the_distributions_move(numbers):
     alike = moved_shares(data.assign(stress_share_each=shares * 0 + shares.isel(load=0)))
     claim = decided(pressure, alike, "moved_stress_beyond")
     assert set(claim.outcomes) <= {"0", "-"}
+    full = pressure.views(data.assign(area=data.area * 0 + 0.99)).findings
+    assert [finding.text for finding in full][0] == "All loads are of nearly full contact."
+    assert len(full) == 2
 
 
 def test_the_ladders_of_the_hurst_study_keep_phases_and_area(numbers):

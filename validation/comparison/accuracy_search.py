@@ -31,6 +31,7 @@ from validation.measurements.measurement import (
     limit_over,
     no_limit,
 )
+from validation.report.quantities import as_length
 from validation.report.words import percent, significant
 from validation.scenes.problem import ContactProblem
 from validation.scenes.scene import Methods, Scene
@@ -250,6 +251,9 @@ class Search:
     def own_surface(self) -> Single:
         """Solve the scene's own surface to the accuracy."""
         known = min(self._solved(self._jobs(self.shared or (self._grid(4),), 1)), key=lambda a: a.spacing)
+        if self.problem.load.held and not known.pixel:
+            held = ", ".join(f"load.{key} = {as_length(v)}" for key, v in self.problem.load.held.items())
+            raise RunFailed(f"{held}: nothing touches so far apart; come closer")
         tried: set[Grids] = set()
         while True:
             ladder = self._cheapest(self._ladders(known), tried, share=_SPARE)
