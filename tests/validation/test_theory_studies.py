@@ -58,7 +58,7 @@ def test_the_pressure_study_says_from_where_on_the_distributions_move(numbers):
     claim = decided(pressure, alike, "moved_stress_beyond")
     assert set(claim.outcomes) <= {"0", "-"}
     full = pressure.views(data.assign(area=data.area * 0 + 0.99)).findings
-    assert [finding.text for finding in full][0] == "All loads are of nearly full contact."
+    assert full[0].text == "All loads are of nearly full contact."
     assert len(full) == 2
 
 
