@@ -203,7 +203,7 @@ def predicted_uncertainty(coarse: ContactAreas, grids: Sequence[PlannedGrid]) ->
     area = coarse.pixel if coarse.subcell is None else coarse.subcell
     area = min(max(area, coarse.cell_share), 1 - coarse.cell_share)
     if coarse.edge_fraction == 0:
-        return 0.0
+        return 0.0 if coarse.pixel > 0 else float("inf")
     ordered = sorted(grids, key=lambda grid: grid.size)
     if area * ordered[0].cells < LEAST_CONTACT_POINTS:
         return float("inf")
@@ -212,6 +212,6 @@ def predicted_uncertainty(coarse: ContactAreas, grids: Sequence[PlannedGrid]) ->
     located = coarse.subcell is not None
     law = LOCATED if located else perimeter_law(coarse.edge_constant)
     covariance = error_covariance(law, area, fraction, ordered, like=coarse)
-    alone = ALONE if len(ordered) == 1 else 1.0
-    expected = alone / float(np.sqrt(np.linalg.inv(covariance).sum()))
-    return math.hypot(expected, kink_error(replace(coarse, edge_fraction=fraction), alone=len(ordered) == 1))
+    alone = len({grid.spacing for grid in ordered}) == 1
+    expected = (ALONE if alone else 1.0) / float(np.sqrt(np.linalg.inv(covariance).sum()))
+    return math.hypot(expected, kink_error(replace(coarse, edge_fraction=fraction), alone=alone))

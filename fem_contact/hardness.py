@@ -18,7 +18,7 @@ from fem_contact.contact import ContactResult, Cost, Status, weights_of
 from fem_contact.patches import find_patches
 from fem_contact.response import Response
 from fem_contact.settings import Limits
-from fem_contact.surface import HeightField
+from fem_contact.surface import HeightField, Patch
 
 #: Solves after which the patches are given up on.
 _ROUNDS = 100
@@ -66,7 +66,7 @@ class Hardness:
         patches = find_patches(in_contact, spacing, periodic=periodic)
         areas = np.append(spacing[0] * spacing[1], patches.areas)
         factor = (1 + self.length / (2 * np.sqrt(areas / np.pi))) ** self.exponent
-        return self.pressure * factor[patches.labels]
+        return bound("pressure", self.pressure, patches.labels.shape) * factor[patches.labels]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -123,7 +123,7 @@ def yielded(contact: ContactResult) -> YieldedContact:
     weights = weights_of(contact)
     load = weights * contact.pressure
     plastic = contact.at_bound
-    elastic = contact.in_contact & ~plastic
+    elastic, kind = contact.in_contact & ~plastic, HeightField if contact.periodic else Patch
     indentation = np.where(plastic, np.maximum(-contact.gap, 0.0), 0.0)
     plastic_area, elastic_area = (float(np.mean(weights * part)) for part in (plastic, elastic))
     return YieldedContact(
@@ -133,7 +133,7 @@ def yielded(contact: ContactResult) -> YieldedContact:
         elastic_load=float(np.mean(load * ~plastic)),
         plastic_load=float(np.mean(load * plastic)),
         indentation=indentation,
-        surface=HeightField(heights=contact.heights - indentation, lengths=contact.lengths),
+        surface=kind(heights=contact.heights - indentation, lengths=contact.lengths),
         volume=float(np.mean(weights * indentation)),
     )
 
@@ -151,7 +151,7 @@ def press_yielding(
     Parameters
     ----------
     surface, response, mean_pressure, tolerance, max_iterations, time_limit, threads
-        As in `fem_contact.bem.solve`.
+        As in `fem_contact.bem.solve`; with a hardness that depends on size, for each of up to 100 solves.
     hardness : Hardness
 
     Raises

@@ -121,8 +121,8 @@ def density_at_zero(result: ContactResult) -> DensityAtZero:
     """
     check_result("result", result)
     _, m2, m4 = _surface_of(result).moments
-    if not m2 > 0:
-        raise InvalidInput("a flat surface has no scale of pressure: P(0+) is undefined")
+    if not (m2 > 0 and m4 > 0):
+        raise InvalidInput("a flat or unbent surface has no scale of pressure: P(0+) is undefined")
     dx, dy = result.spacing
     stress = result.contact_modulus * np.sqrt(m2)
     threshold = float(_WINDOW * stress * np.sqrt(np.sqrt(dx * dy) * np.sqrt(m4 / m2) / (2 * np.pi)))
@@ -251,8 +251,8 @@ def gap_distribution(result: ContactResult, edges: ArrayLike) -> GapDistribution
 def elastic_energy(result: ContactResult) -> float:
     """Elastic energy per nominal area [J/m^2], half the mean of p u.
 
-    On a half-space u has zero mean, so this is the energy of the roughness alone (Persson 2006, Eq. 43 refers
-    to the same).
+    On a periodic half-space u has zero mean, so this is the energy of the roughness alone (Persson 2006, Eq.
+    43 refers to the same). Under a patch with free sides u has a mean, which counts.
     """
     check_result("result", result)
     return 0.5 * float(np.mean(result.pressure * weights_of(result) * result.displacement))

@@ -250,10 +250,10 @@ class _Fields:
     ) -> None:
         check_result("contact", contact)
         check_response(response)
-        if contact.weights is not None:
+        if contact.weights is not None or not contact.periodic:
             raise UnsupportedEffect(
-                "contact: its nodes weigh differently (quadratic elements); "
-                "take the stress of the block itself"
+                "contact: its nodes weigh differently (quadratic elements) or its sides are free "
+                "(FreeHalfSpace); take the stress of the block itself"
             )
         self.body = body_of(response)
         planes = default_depths(contact, response) if depths is None else samples("depths", depths)

@@ -135,8 +135,8 @@ def ring_asperities(wavevector: float, *, rms_height: float) -> Asperities:
 
 def _check_moments(moments: Moments) -> None:
     instance("moments", moments, Moments, what="`Moments`")
-    if not (moments.m0 > 0 and moments.m2 > 0 and moments.m4 > 0):
-        raise InvalidInput("moments: a flat surface has no summits")
+    if not (moments.m0 > 0 and moments.m2 > 0 and moments.nayak > 1.5 * (1 - 1e-9)):
+        raise InvalidInput("moments: a flat surface has no summits, and none has m0 m4 below m2^2")
 
 
 def nayak_asperities(moments: Moments) -> Asperities:

@@ -50,8 +50,9 @@ def gap_distribution(gap: ArrayLike, *, pressure: float, scale: Scale, energy_ra
     the contact seen at zeta, under the pressure sigma_0 A_0 / A(zeta) and with the shorter waves alone.
     Almqvist, Campañá, Prodanov and Persson, J. Mech. Phys. Solids 59, 2355 (2011), arXiv:1102.5412;
     derived again here from that picture, since only the abstract was at hand. The folding makes the mean
-    of P exceed `mean_separation`: by 2, 17 and 48 % at p* = .01, .1 and .3. Quantiles agree with boundary
-    elements within 10 % from p* = .05 to .3 with g = .45.
+    of P exceed `mean_separation`: by 2, 18 and 49 % at p* = .01, .1 and .3 with g = .45, by 1, 21 to 27 and
+    100 to 113 % with g = 1 (H = .8). Quantiles agree with boundary elements within 10 % from p* = .05 to .3
+    with g = .45.
     """
     u = real("gap", gap)
     load = positive("pressure", pressure)

@@ -66,7 +66,7 @@ class GradedModulus:
     def __post_init__(self) -> None:
         poisson_ratio(self.poisson)
         function("young", self.young)
-        positives("breaks", self.breaks, unit="m")
+        object.__setattr__(self, "breaks", tuple(positives("breaks", self.breaks, unit="m")))
 
     def __call__(self, wavevector: ArrayLike) -> Array:
         """E~*(q) [Pa] for wavevectors [1/m]."""

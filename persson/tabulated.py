@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from persson._checks import Array, choice, non_negative, positive, real
-from persson.errors import InvalidInput
+from persson.errors import InvalidInput, OutsideTheory
 from persson.spectrum import EDGE, Spectrum, SpectrumMoments, check_spectrum, growth
 
 
@@ -141,5 +141,6 @@ def smoothed(
         power = power * np.where(keep > 1e-12, keep, 0.0)
     else:
         power = np.where(share <= 0.5, power, 0.0)
-    rough = power > 0
-    return Tabulated(wavevectors=q[rough], power=power[rough])
+    if np.count_nonzero(power) < 2:
+        raise OutsideTheory("yielded: all roughness has yielded, no spectrum is left")
+    return Tabulated(wavevectors=q[power > 0], power=power[power > 0])

@@ -34,8 +34,9 @@ class LoadSearch:
         self.clearance = float(np.max(heights) - np.mean(heights))
         sinks = not of_gap and problem.operator.compliance[0, 0] > 0
         if self.gap < -SLACK * self.scale and problem.bound is None and not sinks:
+            given = target if of_gap else target + problem.level
             raise InvalidInput(
-                f"{'mean_gap' if of_gap else 'offset'} = {target:.6g} m: asks for a negative mean gap; "
+                f"{'mean_gap' if of_gap else 'offset'} = {given:.6g} m: asks for a negative mean gap; "
                 "without a pressure bound it cannot fall below 0 (full contact)"
             )
 

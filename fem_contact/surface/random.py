@@ -142,8 +142,12 @@ def random_waves(
         opposite = array("spectrum(-qx, -qy)", spectrum(-qx, -qy), power=4)
         if not np.allclose(power, opposite, rtol=1e-9, atol=0.0):
             raise InvalidInput("the spectrum C(qx, qy) differs between a wavevector and its opposite")
-    if power.shape not in ((), q.shape) or np.any(power < 0):
-        raise InvalidInput("the spectrum C(q) is negative or not finite at a wavevector of the surface")
+    if power.shape not in ((), q.shape):
+        raise InvalidInput(
+            f"spectrum of shape {power.shape}: must be of the shape {q.shape} of what it is told"
+        )
+    if np.any(power < 0):
+        raise InvalidInput("the spectrum C(q) is negative at a wavevector of the surface")
     waves = _random_waves(m, n, seed=seed, gaussian=amplitudes == "gaussian")
     waves *= 2 * np.pi * np.sqrt(power / (lengths[0] * lengths[1]))
     return RandomWaves(m=m, n=n, amplitudes=waves, q_short=q_short, lengths=lengths)

@@ -58,6 +58,9 @@ def test_zero_mean_gap_is_full_contact_at_the_least_load_and_less_is_refused():
     assert result.pressure.min() == pytest.approx(0.0, abs=1e-12)
     with pytest.raises(InvalidInput, match="negative mean gap"):
         solve_displacement(surface, SOFT, mean_gap=-1e-3 * surface.rms_height)
+    lifted = HeightField(heights=surface.heights + 1, lengths=surface.lengths)
+    with pytest.raises(InvalidInput, match=r"offset = 0\.9 m: asks for a negative mean gap"):
+        solve_displacement(lifted, SOFT, offset=0.9)
     with pytest.raises(InvalidInput, match="exactly one"):
         solve_displacement(surface, SOFT)
 

@@ -91,6 +91,7 @@ def test_what_is_predicted_from_a_coarse_grid_is_what_fine_ones_claim():
     # The coarse grid's own area stands for that of the finest.
     assert predicted_uncertainty(areas[0], plan) == pytest.approx(located_limit(areas).uncertainty, rel=1e-3)
     single = predicted_uncertainty(areas[0], plan[:1])
+    assert predicted_uncertainty(dataclasses.replace(areas[0], pixel=0.0, edge_fraction=0.0), plan) == np.inf
     assert single == pytest.approx(located_limit(areas[:1]).uncertainty, rel=1e-9)
 
 

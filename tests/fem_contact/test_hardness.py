@@ -6,8 +6,9 @@ import pytest
 from numpy.testing import assert_allclose
 from surfaces import SOFT, rough_surface
 
-from fem_contact import InvalidInput, Status, bem, find_patches
+from fem_contact import FreeHalfSpace, InvalidInput, Solid, Status, bem, find_patches
 from fem_contact.hardness import Hardness, press_by_patches, press_yielding, yielded
+from fem_contact.surface import Patch
 
 LOAD = 0.01
 
@@ -105,6 +106,20 @@ def test_every_patch_bears_what_its_size_allows_and_not_more():
     plain, cells = (yielded(pressed(p, load=LOAD / 4)).plastic_area for p in (SIZED.pressure, single))
     assert cells < 0.9 * yielded(contact).plastic_area < yielded(contact).plastic_area < 0.9 * plain
     assert contact.cost.fft_pairs > 20
+
+
+@pytest.mark.parametrize("shape", [(8, 8), (64,), (1, 64), (1, 1)])
+def test_a_hardness_of_another_shape_is_refused(shape):
+    field = replace(SIZED, pressure=np.full(shape, SIZED.pressure))
+    with pytest.raises(InvalidInput, match="pressure"):
+        press_yielding(rough(), SOFT, hardness=field, mean_pressure=LOAD / 4)
+
+
+def test_what_has_yielded_on_a_patch_is_a_patch():
+    patch = Patch(heights=rough().heights, lengths=rough().lengths)
+    free = FreeHalfSpace(solid=Solid(young=1.0, poisson=0.3))
+    found = press_yielding(patch, free, hardness=Hardness(pressure=0.05), mean_pressure=1e-3)
+    assert isinstance(yielded(found).surface, Patch)
 
 
 def test_a_hardness_without_a_size_is_the_plain_one():

@@ -28,11 +28,11 @@ from fem_contact.extrapolation import located_limit
 from fem_contact.graded import ExponentialSolid, LayeredSolid
 from fem_contact.hardness import Hardness, press_by_patches
 from fem_contact.leak import flow_conductance, percolates
-from fem_contact.response import BondedLayer, GivenResponse, HalfSpace
+from fem_contact.response import BondedLayer, FreeHalfSpace, GivenResponse, HalfSpace
 from fem_contact.settings import Settings
 from fem_contact.stress import density_at_zero, gap_distribution, pressure_distribution, von_mises
 from fem_contact.subsurface import fields_below, strongest_point
-from fem_contact.surface import random_surface
+from fem_contact.surface import Patch, random_surface
 from fem_contact.viscoelastic import PronySolid, TabulatedSolid
 
 SOLID, JELLY = Solid(young=1.0, poisson=0.3), Solid(young=1.0, poisson=0.5)
@@ -72,6 +72,12 @@ class Source:
 
 def below(depths, response=LAYER):
     return fields_below(bem.solve(ROUGH, LAYER, mean_pressure=0.1), response, depths=depths)
+
+
+def free_sided():
+    heights = -((np.arange(12) / 12 - 0.5) ** 2)[:, None] * np.ones(12)
+    patch = Patch(heights=heights, lengths=(1.0, 1.0))
+    return strongest_point(bem.solve(patch, FreeHalfSpace(solid=SOLID), mean_pressure=1e-2), HALF)
 
 
 def weighed():
@@ -146,6 +152,7 @@ REFUSED = [
     (drawn, {"isotropic": False}, "spectrum = .*: must be a function of qx and qy"),
     *each(drawn, "spectrum", lambda q: q * np.nan, lambda q: q * np.inf, words="spectrum.* not finite"),
     (drawn, {"spectrum": lambda q: np.where(q > 40, -1e-9, 1e-9)}, r"spectrum C\(q\) is negative"),
+    (drawn, {"spectrum": lambda q: np.ones(3)}, r"spectrum of shape \(3,\): must be of the shape \(\d+,\)"),
     (drawn, {"spectrum": lambda qx, qy: 1 + 0.1 * np.sign(qx), "isotropic": False}, "its opposite"),
     (measured_lay, {"surface": FLAT}, "no lay"),
     # Settings.
@@ -256,6 +263,7 @@ OTHERS = [
     (InsufficientMemory, lambda: block.solve(vast(), SOLID, mean_pressure=1e6, method="full"), "GiB are av"),
     (UnsupportedEffect, lambda: below([0.1], given(function=lambda qx, qy: qx + qy)), "only its surface is"),
     (UnsupportedEffect, weighed, "quadratic elements"),
+    (UnsupportedEffect, free_sided, "its sides are free"),
 ]
 
 

@@ -76,7 +76,9 @@ def test_quadrature_over_depth_equals_the_closed_forms():
     layers = ExponentialLayers(bulk=1e9, excess=(4e9, -2e8), depths=(1e-3, 1e-5), poisson=0.3)
     assert GradedModulus(young=layers.young, poisson=0.3)(q) == pytest.approx(layers(q), rel=1e-10)
     coat = SurfaceLayer(layer=7e9, bulk=1e9, thickness=2e-4, poisson=0.4)
-    step = GradedModulus(young=lambda z: np.where(z < 2e-4, 7e9, 1e9), poisson=0.4, breaks=(2e-4,))
+    step = GradedModulus(
+        young=lambda z: np.where(z < 2e-4, 7e9, 1e9), poisson=0.4, breaks=(z for z in [2e-4])
+    )
     assert step(q) == pytest.approx(coat(q), rel=1e-12)
 
 

@@ -55,6 +55,7 @@ REFUSED = {
         (lambda: Scale(ROUGH, contact_modulus=lambda q: -q), "contact_modulus"),
         (lambda: bush_gibson_thomas(0.0, moments=Moments(m0=1, m2=1, m4=1), contact_modulus=1.0), "Nayak"),
         (lambda: nayak_asperities(Moments(m0=0, m2=0, m4=0)), "flat"),
+        (lambda: nayak_asperities(Moments(m0=1, m2=1, m4=0.9)), "m0 m4 below m2"),
         (lambda: DoubleHertz(peak_pressure=1.0, tensile_limit=0.1, eta=1.0), "eta"),
         (lambda: effective_medium([1.0, 2.0], [1.0]), "one length"),
         (lambda: crack(relaxed=1e8), "one solid"),
@@ -63,6 +64,7 @@ REFUSED = {
         (lambda: solve_diffusion([1.0], pressure=1.0, tensile_limit=lambda v: v * np.nan), "tensile_limit"),
     ],
     OutsideTheory: [
+        (lambda: smoothed(ROUGH, wavevectors=[1e5, 1e6], yielded=[1.0, 1.0]), "all roughness has yielded"),
         (lambda: solve_diffusion([1.0], pressure=0.0), "nothing presses"),
         (lambda: solve_diffusion([1.0], pressure=-2.0, tensile_limit=1.0), "tension"),
         (lambda: solve_diffusion([1.0], pressure=2.0, yield_stress=1.0), "yield stress"),
