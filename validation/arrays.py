@@ -16,7 +16,7 @@ Pair = tuple[float, float]
 
 
 def padded(rows: Iterable[Iterable[float]]) -> Array:
-    """Return rows of any lengths as an array, NaN where one has no more.
+    """Return rows of any lengths, at least one, as an array, NaN where one has no more.
 
     >>> padded([[1, 2], [3]])
     array([[ 1.,  2.],

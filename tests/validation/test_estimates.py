@@ -128,6 +128,14 @@ def test_the_change_of_a_place_with_itself_is_not_determinable():
     assert np.isnan(data.area_change_each.item())
 
 
+def test_what_is_not_told_from_zero_has_its_whole_interval_as_a_size_too():
+    """Of |d| both ends of the interval of d lie above."""
+    data = claim(xr.Dataset({"d": ("load", [0.001, 0.0, -0.5])}), "d", grid=0.01)
+    found = derive(data, size="abs(d)", least="maximum(d, 0)").isel(source=SOURCES.index("grid"))
+    assert found.size_error.values == pytest.approx([0.01, 0.01, 0.01])
+    assert found.least_error.values == pytest.approx([0.0055, 0.005, 0.0])
+
+
 def test_a_change_has_the_errors_of_both_places():
     each = xr.Dataset(
         {"area_each": ("load", [0.5, 0.7, 0.4]), "area_each_drift": ("load", [0.03, 0.0, 0.01])}

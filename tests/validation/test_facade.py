@@ -166,6 +166,12 @@ def test_a_table_tells_contacts_apart_by_what_differs():
     assert both.hardness.values.tolist() == [150e6, 200e6]
     with pytest.raises(UsageError, match="nor does any of: reduced_pressure, pressure, method"):
         table([pressed(reduced_pressure=0.05)] * 2)
+    layer = {"young": "6 GPa", "thickness": "5 um"}
+    coated = [
+        press(SURFACE, young=f"{e} GPa", poisson=0.3, reduced_pressure=0.05, coating=layer) for e in (1, 2)
+    ]
+    found = table(coated, along="young")
+    assert found.young.values.tolist() == [1e9, 2e9]
     with pytest.raises(UsageError, match="these do: reduced_pressure, pressure"):
         table([pressed(reduced_pressure=0.05)], along="colour")
 

@@ -99,6 +99,8 @@ def test_a_pressure_that_stays_is_called_the_same_and_one_that_rises_is_not(data
     told = planted(told, power=power, which="macro_pressure")
     found = macroasperities._macroasperities(told, "", "the simulation")
     assert found.outcomes[1:] == (("within",) * 2 if power == 1 else ("beyond",) * 2)
+    none = data.assign(macro_magnification=data.macro_magnification * np.nan)
+    assert any("No load has a zeta_m" in said.text for said in macroasperities._findings(none))
 
 
 def test_macroasperities_are_where_ln_a_of_the_theory_bends_most_and_their_pressure_is_that_of_the_area_there(

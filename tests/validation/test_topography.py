@@ -726,8 +726,12 @@ def test_single_spikes_are_clipped_to_their_neighbours_and_a_gaussian_surface_is
     # In a map of few digits most steps are none.
     coarse = np.repeat(np.arange(8.0), 8)[:, None] + np.zeros(64)
     coarse[::5, ::5] += 1
-    flat = square(coarse, 1.0)
-    assert flat.clipped() is flat
+    # Pillars on a plane, and heights of which no two neighbours are known.
+    pillars, sparse = np.zeros((16, 16)), np.full((16, 16), np.nan)
+    pillars[::4, ::4], sparse[::2, ::2] = 1.0, heights[:8, :8]
+    for left in (coarse, pillars, sparse):
+        flat = square(left, 1.0)
+        assert flat.clipped() is flat
 
 
 def test_a_gaussian_surface_is_as_the_theory_assumes_and_one_with_spikes_is_not():

@@ -8,6 +8,7 @@ from planted import decided
 from validation import reference
 from validation.errors import UsageError
 from validation.execution.bench import Bench
+from validation.execution.store import write_numbers
 from validation.measurements.theory import with_variants
 from validation.reference.fit import nayak
 from validation.reference.interpolation import interpolated
@@ -90,6 +91,9 @@ def test_bands_to_fit_to_and_to_judge_by_are_needed(tmp_path, plant):
     for widest in (16.0, 256.0):
         with pytest.raises(UsageError, match="fitted_to"):
             study.compute(study.options(fitted_to=widest), bench=Bench.at(tmp_path))
+    write_numbers(tmp_path / "data.nc", xr.Dataset({"area": 0.1}), recipe={})
+    with pytest.raises(UsageError, match=r"no area_error, area_persson.*; give data\.nc of study reference"):
+        study.compute(study.options(table=tmp_path / "data.nc"), bench=Bench.at(tmp_path))
 
 
 def test_wide_cells_are_looked_up_and_between_the_tables_it_is_interpolated():

@@ -184,10 +184,12 @@ def test_a_scheduler_is_lost_once_it_was_silent_whatever_was_waited_for_before(t
     from validation.execution import cluster as module
 
     seconds, progress = itertools.count(0, 20), Notes()
-    looks = iter([{}, {}, {}, {}, OSError(), {}, {"a": 1e9}])
+    looks = iter(
+        [{}, {}, {}, {}, OSError(), {}, {"a": 1e9}, OSError(), TimeoutError(), OSError(), TimeoutError()]
+    )
 
     def look(*_):
-        if isinstance(found := next(looks), OSError):
+        if isinstance(found := next(looks), Exception):
             raise found
         return found
 
@@ -195,7 +197,11 @@ def test_a_scheduler_is_lost_once_it_was_silent_whatever_was_waited_for_before(t
     monkeypatch.setattr(module, "time", clock)
     monkeypatch.setattr(module, "_memory_limits", look)
     client = types.SimpleNamespace(status="running")
-    assert module._Cluster(client, "tcp://a", Store(folder=tmp_path), progress, 600.0).limits == {"a": 1e9}
+    asked = module._Cluster(client, "tcp://a", Store(folder=tmp_path), progress, 600.0)
+    assert asked.limits == {"a": 1e9}
+    # What is raised varies while it is one scheduler that is lost.
+    with pytest.raises(RunFailed, match="the scheduler is lost"):
+        asked.awaited_workers()
 
 
 @pytest.mark.filterwarnings("default")  # of dask's own threads and sockets

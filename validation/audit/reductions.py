@@ -138,8 +138,9 @@ def _expression_errors(one: Reduced) -> dict[str, Array]:
         total = xr.zeros_like(one.variable, dtype=float)
         for n in moved:
             step = values[f"{n}_error"].isel(source=k)
-            up, down = (_evaluated(expression, {**values, n: values[n] + s * step}) for s in (1, -1))
-            total = total + ((up - down) / 2) ** 2
+            up, here, down = (_evaluated(expression, {**values, n: values[n] + s * step}) for s in (1, 0, -1))
+            kink, further = (up - here) * (down - here) > 0, np.maximum(abs(up - here), abs(down - here))
+            total = total + xr.where(kink, further, (up - down) / 2) ** 2  # type: ignore[no-untyped-call]
         found[source] = np.sqrt(ordered(total, one.dims))
     return found
 

@@ -100,8 +100,8 @@ class _Cluster:
             except Exception as error:  # Dask raises what its state makes of a lost connection
                 lacking, remedy = f"the scheduler is lost ({type(error).__name__})", "start it again"
                 patience = 0.0 if self.client.status == "closed" else _LOST_AFTER
-            if lacking != before:
-                began, before = time.monotonic(), lacking
+            if remedy != before:  # what is raised varies while one scheduler is lost
+                began, before = time.monotonic(), remedy
             waited = time.monotonic() - began
             problem = f"--scheduler = {self.address!r}: {lacking} for {waited:.0f} s"
             if waited > _TOLD_AFTER and not noted:

@@ -149,7 +149,8 @@ def table(contacts: Iterable[Contact], *, along: str | None = None, limit: bool 
     contacts : iterable of Contact
     along : str, optional
         What becomes the coordinate: ``reduced_pressure``, ``pressure``, ``method``, ``points``, or a key of
-        surface, solid or effect such as ``hurst``, ``seed``, ``young``, ``hardness``. The first that tells
+        surface, solid or effect such as ``hurst``, ``seed``, ``young``, ``hardness`` (of an
+        effect ``coating_young``, where the solid has it, too). The first that tells
         all apart if not given.
     limit : bool
         Also take the limit over grids of each and half of its 95 % interval, which presses each on some more.
@@ -220,8 +221,10 @@ def _said(contact: Contact) -> dict[str, Any]:
     }
     loads |= {"method": contact.solve.solver.label, "points": contact.solve.grid[0]}
     for listed in (scene.surface, scene.solid, *scene.effects):
-        values = listed.model_dump(exclude_none=True, exclude={"kind"}).items()
-        loads |= {name: value for name, value in values if isinstance(value, (int, float, str))}
+        for name, value in listed.model_dump(exclude_none=True, exclude={"kind"}).items():
+            if isinstance(value, (int, float, str)):
+                kind = getattr(listed, "kind", "")
+                loads[f"{kind}_{name}" if name in loads else name] = value
     return loads
 
 

@@ -338,7 +338,7 @@ def derive(data: xr.Dataset, **expressions: str) -> xr.Dataset:
         added = {name: bare(value, reduction="expression", expression=expression)}
         errors = [{n: data[f"{n}_error"]} for n in point if f"{n}_error" in data]
         if errors:
-            shifts = [(at(error) - at(error, -1)) / 2 for error in errors]
+            shifts = [_shift(value, at(error), at(error, -1)) for error in errors]
             total = sum((shift**2 for shift in shifts[1:]), shifts[0] ** 2) ** 0.5
             first, *others = (e.attrs for error in errors for e in error.values())
             why = {s: words for s, words in first.items() if all(s in other for other in others)}
@@ -348,6 +348,12 @@ def derive(data: xr.Dataset, **expressions: str) -> xr.Dataset:
             added[f"{name}_drift"] = bare(sum(drifts[1:], drifts[0]))
         data = _with(data, added)
     return data
+
+
+def _shift(value: xr.DataArray, up: xr.DataArray, down: xr.DataArray) -> xr.DataArray:
+    """Half of what lies between both ends of an interval; at a kink, with both on one side, the further."""
+    kink = (up - value) * (down - value) > 0
+    return ((up - down) / 2).where(~kink, np.maximum(abs(up - value), abs(down - value)))
 
 
 def ratio_of_means(above: str, below: str, over: str) -> str:
@@ -361,7 +367,7 @@ def ratio_of_means(above: str, below: str, over: str) -> str:
 
 
 def evaluated(expression: str, values: Mapping[str, Any]) -> Any:
-    """Evaluate one of our own expressions; what has no value is NaN.
+    """Evaluate one of our own expressions of arrays, without warnings where it has no finite value.
 
     A UsageError for a name that is none of the values.
     """

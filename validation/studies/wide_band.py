@@ -50,7 +50,10 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     ``area_excess_limit``: where the saturating law through all bands ends.
     """
     tables = [reference.table(), reference.wide()] if options.table is None else [read_numbers(options.table)]
-    data = joined([table[["area", "area_error", "area_persson"]] for table in tables])
+    needed = ("area", "area_error", "area_persson", "hurst", "bandwidth", "reduced_pressure", "amplitudes")
+    if lacking := [name for name in needed if name not in tables[-1].variables]:
+        raise UsageError(f"table = {options.table}: no {', '.join(lacking)}; give data.nc of study reference")
+    data = joined([table[[*needed[:3]]] for table in tables])
     asked = {dim: tables[-1][dim] for dim in ("hurst", "reduced_pressure")} | {"amplitudes": "exact"}
     data = derive(data.sel(asked, drop=True), area_excess="area / area_persson - 1")
     narrow = data.bandwidth.values <= options.fitted_to

@@ -243,6 +243,11 @@ class Measured:
         rings = estimate_spectrum(patch.heights, patch.lengths, window="none" if periodic else "hann")
         cut = 2 * math.pi / self.shortest if self.surface.lambda_short else math.inf
         rough = (rings.power > 0) & (rings.q <= cut * (1 + 1e-9))
+        if np.count_nonzero(rough) < 2:
+            with _naming(self.surface):
+                raise UsageError(
+                    "has waves of less than two lengths: lower lambda_short, or give a finer map"
+                )
         return Tabulated(wavevectors=rings.q[rough], power=rings.power[rough])
 
     @property

@@ -141,8 +141,10 @@ class Topography:
         below the lowest of the eight neighbours, of the steps from point to point.
         """
         known = self.heights[np.isfinite(self.heights)]
-        most = _far(known)
-        heights = np.clip(self.heights, np.median(known) - most, np.median(known) + most)
+        most, heights = _far(known), self.heights
+        # Where half of all heights are one, as between pillars, no distance is a measure.
+        if most > 0:
+            heights = np.clip(heights, np.median(known) - most, np.median(known) + most)
         padded = np.pad(heights, 1, constant_values=np.nan)
         nx, ny = heights.shape
         around = [padded[i : i + nx, j : j + ny] for i in range(3) for j in range(3) if (i, j) != (1, 1)]
@@ -227,7 +229,7 @@ def _fitted(heights: Array, tilt: Tilt) -> Array:
 
 
 def _far(values: Array) -> float:
-    low, high = np.percentile(values, (25, 75))
+    low, high = np.percentile(values, (25, 75)) if values.size else (0.0, 0.0)
     return float(_CLIPPED * (high - low) / _QUARTILES)
 
 
