@@ -121,7 +121,7 @@ class Written(float):
     def unit(self) -> tuple[str, float]:
         """The unit in which it was written, and what one of it is in SI."""
         number, _, unit = self.written.partition(" ")
-        return unit, float(self) / float(number)
+        return unit, float(f"{float(self) / float(number):.12g}")  # one unit, whatever number it stands at
 
 
 def four_digits(value: float) -> str:

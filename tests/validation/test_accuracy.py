@@ -234,6 +234,7 @@ def test_workers_share_what_solves_take(read_scene, bench, monkeypatch):
     search.reserve()
     alone = sum(metered.seconds(solve) for solve in fem)
     assert metered.account.reserved == pytest.approx(alone / 4)
+    assert f"{100 - alone / 4:.3g} s are left beside {alone / 4:.2g} s for other methods" in metered.means()
     done = SimpleNamespace(solves=fem, made=lambda: [SimpleNamespace(seconds=1.0)] * len(fem))
     monkeypatch.setattr(Bench, "solve", lambda self, wanted, **how: done)
     metered.solve(fem)

@@ -190,6 +190,17 @@ def test_a_distance_that_is_asked_for_is_no_finding(results, tmp_path):
     assert not any("approach" in name for name in names)
 
 
+def test_loads_that_were_written_in_one_unit_are_compared(results, tmp_path, bench):
+    """Of which one is known to the last digit, and the other not: 70000 / .07 is not 1e6."""
+    for load in ("0.05", "0.07"):
+        scene = load_asked(str(results / "scene.toml"), [f"load.pressure='{load} MPa'"])
+        run_scene(scene, tmp_path / load, bench=bench, report=False)
+    compare_folders([tmp_path / "0.05", tmp_path / "0.07"], tmp_path / "both")
+    pressure = read_results(tmp_path / "both").data.pressure
+    assert pressure.values.tolist() == [0.05e6, 0.07e6]
+    assert pressure.attrs["written_unit"] == 1e6
+
+
 def test_sweeps_are_compared_where_their_values_meet(results, tmp_path):
     page = compare_folders([results / "swept", results / "swept-more"], tmp_path).page
     data = read_results(tmp_path).data

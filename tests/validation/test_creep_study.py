@@ -7,6 +7,7 @@ from fem_contact import PronySolid, contact_areas, creep
 from persson import StandardSolid, contact_area, stress_variance
 from validation.measurements.common import base_case
 from validation.scenes.tables import SolidSpec
+from validation.studies import find_study
 
 
 def test_the_study_is_the_solver_on_the_finest_grid_and_the_theory_of_its_gradient(asked):
@@ -27,6 +28,9 @@ def test_the_study_is_the_solver_on_the_finest_grid_and_the_theory_of_its_gradie
     # What it touches more than the elastic contact of that time is the error of the steps, then memory.
     assert (abs(data.area_memory.values[0]) < 0.05).all()
     assert (data.area_memory.values[1] > 0.05).all()
+    said = find_study("creep").views(data).findings
+    worst = next(one for one in said if "miss it by at most" in one.text)
+    assert worst.values["worst"].value == float(abs(data.area_memory_each.isel(phase=0)).max())
     missed = abs(data.area_each - data.area_crept_each).isel(phase=0).max("instant").mean("surface")
     solver = data.area_error.sel(source="solver").transpose("phase", "instant")
     assert solver.values == pytest.approx(np.full((2, 2), missed), rel=1e-12)

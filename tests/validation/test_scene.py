@@ -196,7 +196,10 @@ def test_units_that_are_read_without_the_registry_are_those_of_the_registry(unit
         assert factor == units._converted(Fraction(1), symbol, unit), symbol
 
 
-@pytest.mark.parametrize(("sides", "square"), [(("10 um", "5 um"), "[24, 12]"), ((5e-6, 1e-5), "[12, 24]")])
+@pytest.mark.parametrize(
+    ("sides", "square"),
+    [(("10 um", "5 um"), "[24, 12]"), ((5e-6, 1e-5), "[12, 24]")],
+)
 def test_a_grid_of_oblong_cells_is_said_before_it_is_pressed(sides, square, tmp_path):
     scene, notes = scene_in(tmp_path, square_scene(length=json.dumps(sides), grids=f"[24, {square}]")), []
     ((_, words),) = [fact for fact in explain(scene).facts if fact[0] == "grids of bem"]

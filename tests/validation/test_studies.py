@@ -93,6 +93,8 @@ REFUSED = [
     ("refinement --shifts 1 --points-per-wave 3,4", "with shifts = 1 a limit over grids needs three solves"),
     ("refinement --surfaces 1", "--surfaces = '1': must be greater than or equal to 2"),
     ("heights --periods 1,1.9", "periods = 1.9, the last: must be at least longer = 2"),
+    ("leak --areas 0.3,1.5", "--areas = '1.5': must be less than 0.9"),
+    ("leak --areas 0.3,0.2", "--areas = 0.3,0.2: must be positive and rising"),
     ("area --grids 48,32,24", "--grids = 48,32,24: must be positive and rising"),
     ("scaling --grids 64,128", "at least 3"),
     ("scaling --grids 128,64,256", "must be positive and rising"),

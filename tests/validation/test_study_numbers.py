@@ -73,6 +73,8 @@ def test_the_slope_from_the_contour_is_twice_contour_over_the_squared_edge_coeff
     narrow = 0.4 * 0.5
     exact = (0.001 + 1.5 * narrow**2) / narrow
     assert_allclose(found.density_at_zero_each, exact, rtol=0.02)
+    # Beyond the last bin nothing was counted.
+    assert start_of_pressure(data, spacing=0.3, window=0.4, slope_window=1.2).window_slope_each.isnull()
 
 
 def test_densities_and_slopes_at_zero_are_extrapolated_in_their_own_powers_of_the_spacing():

@@ -133,6 +133,11 @@ def test_the_theory_alone_speaks_in_the_units_of_its_scene(scene, tmp_path):
     assert "= 13330 kPa" in page
 
 
+def test_the_theory_alone_names_an_elastic_rough_body(scene, tmp_path):
+    both = scene(RIM, ("[load]", 'second_young = "20 MPa"\nsecond_poisson = 0.4\n[load]'))
+    assert run_scene(both, tmp_path, report=False).page.lead.startswith("Elastic rough surface on an elastic")
+
+
 def test_a_list_of_loads_is_answered_load_by_load(scene):
     many = answers(scene(RIM, ('pressure = "0.5 MPa"', 'pressure = ["0.1 MPa", "0.5 MPa", 2e6]')))
     assert [answer.pressure for answer in many] == [1e5, 5e5, 2e6]

@@ -121,7 +121,8 @@ class Metered(Bench):
         """Say what memory and time are left."""
         words = f"{memory_words(self.memory)} are free"
         if self.time_limit is not None:
-            words += f" and {max(self.time_limit - self.spent, 0):.3g} s are left"
+            words += f" and {max(self.time_limit - self.spent - self.account.reserved, 0):.3g} s are left"
+            words += f" beside {self.account.reserved:.2g} s for other methods" * (self.account.reserved > 0)
         return words
 
     def solve(self, solves: Iterable[Solve], *, despite_failures: bool = False) -> Solves:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass, replace
@@ -323,8 +324,11 @@ def oblong_grids(scene: Scene, problem: ContactProblem) -> Iterator[tuple[str, s
         for nx, ny in scene.methods.options(name).grids:
             if not has_square_cells(problem, (nx, ny)):
                 lx, ly = problem.lengths
-                along, across = max(2, round(ny * lx / ly)), max(2, round(nx * ly / lx))
-                square = [nx, across] if lx >= ly else [along, ny]
+                least, ratio = (nx, ly / lx) if lx >= ly else (ny, lx / ly)
+                # Of few points rounding may leave them oblong, too.
+                sides = ((n, max(2, round(n * ratio))) for n in itertools.count(least))
+                both = (side if lx >= ly else side[::-1] for side in sides)
+                square = next(list(grid) for grid in both if has_square_cells(problem, grid))
                 words = f"{nx} x {ny} has oblong cells, in which no edge is located; {square} has square ones"
                 yield f"grids of {name}", words
 

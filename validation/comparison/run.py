@@ -310,14 +310,14 @@ def _lead(kind: str, data: xr.Dataset, scene: Scene) -> str:
         joined = " beside " if data.attrs["mode"] == "zip" else " times "
         return f"Swept: {joined.join(swept)}, {data.attrs['cases']} cases"
     modulus = in_shown_unit(data.contact_modulus)
+    bodies = "Rigid rough" if scene.solid.second_young is None else "Elastic rough"
     if kind == "theory":
         return (
-            f"Rigid rough surface on an elastic solid, by the theory alone: {data.attrs['theory']}; E* = "
+            f"{bodies} surface on an elastic solid, by the theory alone: {data.attrs['theory']}; E* = "
             f"{modulus}, h'_rms = {float(data.rms_gradient):.4g}"
         )
     kinds = [effect.kind.replace("-", " ") for effect in scene.effects]
     effects = "effects: " + ", ".join(kinds) if kinds else "elastic, no adhesion"
-    bodies = "Rigid rough" if scene.solid.second_young is None else "Elastic rough"
     held = "".join(f"{key.replace('_', ' ')} {as_length(v, 4)} held, " for key, v in scene.load.held.items())
     if scene.load.force is not None:
         held = f"force = {in_prefixed_unit(scene.load.force, 'N')}, "

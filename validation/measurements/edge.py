@@ -150,7 +150,7 @@ def start_of_pressure(
     upper = np.concatenate([[0], measured.upper.values])
     share = np.concatenate([[0], np.cumsum(measured.density.values) * float(np.diff(measured.upper[:2])[0])])
     ends = np.array([window, slope_window]) * np.sqrt(spacing)
-    below, below_slope = np.interp(ends, upper, share)
+    below, below_slope = np.interp(ends, upper, share, right=np.nan)  # beyond _TOP nothing was counted
     return xr.Dataset(
         {
             "density_at_zero_each": below / ends[0],

@@ -137,7 +137,9 @@ def labelled(data: xr.Dataset, written: Mapping[str, Any] = MappingProxyType({})
 def written_unit(variable: xr.DataArray | xr.Variable) -> tuple[float, str] | None:
     """Return factor and unit of a variable that is shown as its scene was written."""
     attrs = variable.attrs
-    return (1 / float(attrs["written_unit"]), str(attrs["written_in"])) if "written_in" in attrs else None
+    if not {"written_in", "written_unit"} <= set(attrs):
+        return None  # or what is not alike in all of several is gone
+    return 1 / float(attrs["written_unit"]), str(attrs["written_in"])
 
 
 def in_shown_unit(number: xr.DataArray, unit: str = "") -> str:

@@ -65,6 +65,8 @@ class PressedOptions(SurfaceOptions):
             return data
         if isinstance(scene, str):
             scene = load_scene(scene)
+        if not isinstance(scene, Scene):
+            return data  # refused as what it is
         if scene.methods.options("bem") is None:
             raise wrong(
                 f"scene {scene.name!r}: methods.bem: missing; this study presses by boundary elements"

@@ -114,7 +114,8 @@ def _findings(data: xr.Dataset) -> Findings:
     if bool((data.reduced_pressure_between <= _LIGHT).any()):
         yield finding(
             "comparison",
-            "At p* up to {light} the stiffness goes with the load to the power {each}; proportional would be 1.",
+            "At p* up to {light}, the geometric mean of two loads, the stiffness goes with the load to the power {each}; proportional "
+            "would be 1.",
             data,
             item="{stiffness_exponent_light} for L/lambda_long = {periods}, {verdict} 1",
             by="stiffness_exponent_light_excess",

@@ -176,4 +176,4 @@ def _findings(data: xr.Dataset) -> Findings:
     )
     form = "Held, the area must be that of the elastic contact with E = 1/J(t); the steps in time miss it by at most "
     form += "{worst:%}."
-    yield finding("cost", form, worst=abs(held.area_memory).max())
+    yield finding("cost", form, worst=abs(held.area_memory_each).max())

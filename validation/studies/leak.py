@@ -8,10 +8,10 @@ of the widest path; the distribution of gaps stands beside the theory's.
 from typing import Annotated
 
 import xarray as xr
-from pydantic import Field
+from pydantic import AfterValidator, Field
 
 from persson.percolation import SITE_THRESHOLD
-from validation.measurements.common import Rising, base_case
+from validation.measurements.common import Rising, base_case, in_rising_order
 from validation.measurements.flow import GAP_THEORIES, NARROW, flow_of, leaks
 from validation.measurements.measurement import grid_for
 from validation.report.estimates import claim, derive, mean, same_of_all
@@ -42,7 +42,11 @@ class Options(SurfaceOptions):
 
     why_no_scene = "it asks about spectra of rising bandwidth, and makes a surface for each"
 
-    areas: Annotated[Rising, Field(max_length=20)] = (0.1, 0.2, 0.3, 0.4)
+    areas: Annotated[
+        tuple[Annotated[float, Field(gt=0, lt=0.9)], ...],
+        Field(min_length=1, max_length=20),
+        AfterValidator(in_rising_order),
+    ] = (0.1, 0.2, 0.3, 0.4)
     """contact areas A/A0 at which the flow is computed, rising, below 0.9"""
     periods: Periods = 2.0
     bandwidths: Rising = (4.0, 8.0, 16.0)
