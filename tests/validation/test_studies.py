@@ -85,6 +85,7 @@ REFUSED = [
     ("refinement --points-per-wave 8,4", "--points-per-wave = 8,4: must be positive and rising"),
     ("refinement --points-per-wave 2,4", "needs three solves on two grids of at least 3 points per wave"),
     ("energy --points-per-wave 1,2.9", "--points-per-wave = 1,2.9: must be 3 or more: coarser"),
+    ("autopsy --bandwidth 6", "bandwidth = 6: no octave ends with a ring; take a power of two"),
     ("autopsy --points-per-wave 2.9,9", "--points-per-wave = 2.9,9: must be 3 or more: coarser"),
     ("autopsy --periods 1 --probe-points-per-wave 3.1,3.9", "probe_points_per_wave: too close"),
     ("autopsy --periods 1 --bandwidth 2 --points-per-wave 3.1,3.9", ": points_per_wave: too close"),

@@ -68,6 +68,8 @@ class Options(StudyOptions):
             grids = [even_points(n * zeta * self.periods) for n in getattr(self, name)]
             if len({*grids}) < len(grids):
                 raise wrong(f"{name}: too close, two are a grid of as many points")
+        if len(self.octaves) < 2:
+            raise wrong(f"bandwidth = {self.bandwidth:g}: no octave ends with a ring; take a power of two")
         return self
 
     @property
