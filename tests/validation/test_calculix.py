@@ -51,7 +51,7 @@ def test_a_solid_on_which_its_cells_lock_is_refused(tmp_path):
     text = square_scene("[methods.calculix]\ngrids = [12]\n").replace("poisson = 0.3", "poisson = 0.45")
     scene = scene_in(tmp_path, text)
     options = scene.methods.options("calculix")
-    with pytest.raises(UsageError, match=r"poisson = 0\.45: cells of method 'calculix' lock above 0\.4"):
+    with pytest.raises(UsageError, match=r"poisson = 0\.45: elements of method 'calculix' lock above 0\.4"):
         CALCULIX.check(options, realise(scene), scene.effects)
 
 

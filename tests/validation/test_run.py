@@ -196,7 +196,7 @@ def test_a_folder_that_cannot_be_written_is_refused_before_computing(read_scene,
 
 
 def test_what_a_method_does_not_handle_is_refused_before_computing(read_scene, tmp_path, solves_nothing):
-    with pytest.raises(UsageError, match=r"solid\.poisson = 0\.5: method 'fem' locks above 0\.49"):
+    with pytest.raises(UsageError, match=r"solid\.poisson = 0\.5: elements of method 'fem' lock above 0\.49"):
         run_scene(read_scene(("poisson = 0.3", "poisson = 0.5")), tmp_path / "results")
     assert not (tmp_path / "results").exists()
 

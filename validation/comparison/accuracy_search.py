@@ -16,7 +16,7 @@ import scipy.fft
 from fem_contact.area import ContactAreas
 from fem_contact.extrapolation import PlannedGrid, predicted_uncertainty, too_small
 from validation.arrays import Grid
-from validation.comparison.reductions import grid_name
+from validation.comparison.reductions import grid_name, too_far_apart
 from validation.errors import NoLimit, RunFailed, UsageError
 from validation.execution.attempt import warm_up
 from validation.execution.bench import Bench, Solves
@@ -31,7 +31,6 @@ from validation.measurements.measurement import (
     limit_over,
     no_limit,
 )
-from validation.report.quantities import as_length
 from validation.report.words import percent, significant
 from validation.scenes.problem import ContactProblem
 from validation.scenes.scene import Methods, Scene
@@ -253,8 +252,7 @@ class Search:
         """Solve the scene's own surface to the accuracy."""
         known = min(self._solved(self._jobs(self.shared or (self._grid(4),), 1)), key=lambda a: a.spacing)
         if self.problem.load.held and not known.pixel:
-            held = ", ".join(f"load.{key} = {as_length(v)}" for key, v in self.problem.load.held.items())
-            raise RunFailed(f"{held}: nothing touches so far apart; come closer")
+            raise too_far_apart(self.problem)
         tried: set[Grids] = set()
         while True:
             ladder = self._cheapest(self._ladders(known), tried, share=_SPARE)

@@ -17,7 +17,15 @@ from fem_contact.area import ContactAreas
 from fem_contact.extrapolation import LEAST_CONTACT_POINTS, Limit
 from validation.arrays import Array
 from validation.comparison.fields import below
-from validation.comparison.reductions import DIFFERENCES, Case, grid_name, is_adhesive, passing, read_off
+from validation.comparison.reductions import (
+    DIFFERENCES,
+    Case,
+    grid_name,
+    is_adhesive,
+    passing,
+    read_off,
+    too_far_apart,
+)
 from validation.comparison.treatment import about
 from validation.errors import RunFailed
 from validation.execution.press import Contacts, Press
@@ -27,7 +35,7 @@ from validation.measurements.measurement import TOLERANCES_LEFT, limit_over, no_
 from validation.measurements.statistics import finest_error, order_of_convergence, relative_distance
 from validation.report.estimates import HOLDS, NORMAL, bare, derive, error_of, mean, mean_of
 from validation.report.places import gather
-from validation.report.quantities import as_length, labelled
+from validation.report.quantities import labelled
 from validation.scenes.problem import ContactProblem
 from validation.scenes.scene import Scene
 from validation.scenes.tables import Load
@@ -66,11 +74,7 @@ def scene_data(
         finest = case.ladder(case.own[0].method)[-1]
         pressure = float(numbers[finest].mean_pressure)
         if not pressure > 0:
-            held = f"load.{problem.load.key} = {as_length(problem.load.values[0])}"
-            share = float(results[finest].in_contact.mean())
-            pulls = f"{share:.2g} of the area touches, and is pulled"
-            why = pulls if share else "nothing touches so far apart"
-            raise RunFailed(f"{held}: {why}; come closer")
+            raise too_far_apart(problem, pulled=float(results[finest].in_contact.mean()))
         case = replace(case, problem=problem.under(Load(pressure=pressure)))
     data = _on_grids(case)
     data = _own_area(data, case)

@@ -16,10 +16,12 @@ from fem_contact.contact import ContactResult
 from fem_contact.stress import density_at_zero
 from validation.arrays import Grid, Pair
 from validation.effects.base import Effect
+from validation.errors import RunFailed
 from validation.execution.press import Contacts, Press
 from validation.measurements.measurement import areas_of_solve
 from validation.measurements.statistics import finest_error
 from validation.report.estimates import error_of, mean
+from validation.report.quantities import as_length
 from validation.scenes.problem import ContactProblem
 from validation.scenes.scene import Scene
 from validation.scenes.tables import Leak
@@ -127,6 +129,13 @@ class Case:
         """Why solves failed, in a sentence."""
         first, *others = self.failures.values()
         return f"{first}, and {len(others)} more" if others else first
+
+
+def too_far_apart(problem: ContactProblem, *, pulled: float = 0.0) -> RunFailed:
+    """Say of a distance that is held that nothing presses there, though a share of the area may be pulled."""
+    held = f"load.{problem.load.key} = {as_length(problem.load.values[0])}"
+    why = f"{pulled:.2g} of the area touches, and is pulled" if pulled else "nothing touches so far apart"
+    return RunFailed(f"{held}: {why}; come closer")
 
 
 # ---- what passes ---------------------------------------------------------------------------------

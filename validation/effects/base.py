@@ -151,6 +151,7 @@ class Effect(Table):
     cost: ClassVar[float] = 1.0
     solves: ClassVar[float] = 1.0
     papers: ClassVar[tuple[str, ...]] = ()  # What to cite
+    since: ClassVar[str] = ""  # Day since when it is solved otherwise: solves of before are not found again
 
     def fill(self, model: ContactModel) -> None:
         """Fill the slot that solvers ask for."""

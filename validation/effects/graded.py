@@ -25,6 +25,7 @@ class Graded(Effect):
 
     slot = "response"
     cost = 6.1
+    since = "2026-11-29"
     papers = (
         "Graded half-space, solved: [giannakopoulos1997].",
         "Modulus that varies with depth, theory: [persson2006], Sec. 5.",

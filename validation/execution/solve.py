@@ -15,6 +15,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from validation.effects import effect_kinds
 from validation.effects.base import Effect
 from validation.errors import UsageError
 from validation.netcdf import dataset_bytes, read_dataset
@@ -25,8 +26,6 @@ Compiled = tuple[tuple[str, Mapping[str, Any], tuple[Any, ...]], ...]
 
 #: Raised when a change of the code changes results, so that stored ones are not mistaken for new ones.
 RESULTS_VERSION = 2
-#: Effects that are solved otherwise than before, and since when; solves of before are not found again.
-_SINCE = {"graded": "2026-11-29"}
 
 #: How `fem_contact.area.EDGE_MAPS` locate edges of contact: in the recipe of every solve that keeps a located
 #: area, since one whose edges were located otherwise is another one.
@@ -121,8 +120,9 @@ class Solve(ABC):
     def recipe_text(self) -> str:
         """Return recipe, kind and version as text: what is hashed, and what is stored beside the result."""
         told = {"results_version": RESULTS_VERSION, "kind": self.kind, **self.recipe}
-        if any(effect["kind"] in _SINCE for effect in told.get("effects", ())):
-            told["since"] = _SINCE
+        known, kinds = effect_kinds(), (effect["kind"] for effect in told.get("effects", ()))
+        if since := {kind: known[kind].since for kind in kinds if known[kind].since}:
+            told["since"] = since
         return json.dumps(told, sort_keys=True)
 
     @cached_property

@@ -150,8 +150,7 @@ def table(contacts: Iterable[Contact], *, along: str | None = None, limit: bool 
     along : str, optional
         What becomes the coordinate: ``reduced_pressure``, ``pressure``, ``method``, ``points``, or a key of
         surface, solid or effect such as ``hurst``, ``seed``, ``young``, ``hardness`` (of an
-        effect ``coating_young``, where the solid has it, too). The first that tells
-        all apart if not given.
+        effect ``coating_young``, where the solid has it, too). The first that tells all apart if not given.
     limit : bool
         Also take the limit over grids of each and half of its 95 % interval, which presses each on some more.
 

@@ -45,10 +45,16 @@ def scene_keys(data: Mapping[str, Any]) -> dict[str, FieldInfo]:
     kind = surface.get("kind") if isinstance(surface, dict) else None
     keys: dict[str, FieldInfo] = {}
     for place, _, table in tables(kind if isinstance(kind, str) else None):
-        for name, info in table.model_fields.items():
-            if not (name == "kind" and place.startswith("effects.")):
-                keys.setdefault(f"{place}.{name}".lstrip("."), info)
+        for key, info in _keys_of(place, table):
+            keys.setdefault(key, info)
     return keys
+
+
+def _keys_of(place: str, table: type[BaseModel]) -> Iterator[tuple[str, FieldInfo]]:
+    """Yield the keys of a table as a reader writes them; an effect's kind is its place."""
+    for name, info in table.model_fields.items():
+        if not (name == "kind" and place.startswith("effects.")):
+            yield f"{place}.{name}".lstrip("."), info
 
 
 def facts(info: FieldInfo) -> tuple[str, str]:
@@ -71,9 +77,9 @@ def key_lines(word: str) -> Iterator[str]:
     """Yield two lines for each key whose name or meaning has a word: its example, then what it means."""
     every, told = [], set[tuple[str, ...]]()
     for place, head, table in tables():
-        for name, info in table.model_fields.items():
-            key, about = f"{place}.{name}".lstrip("."), facts(info)
-            if not (name == "kind" and place.startswith("effects.")) and (key, *about) not in told:
+        for key, info in _keys_of(place, table):
+            about = facts(info)
+            if (key, *about) not in told:
                 of = f"    # {head.replace('`', '')}" if any(key == known for known, *_ in told) else ""
                 told.add((key, *about))
                 every.append((f"{key} = {example_of(info)}{of}", *about))

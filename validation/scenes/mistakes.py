@@ -23,6 +23,7 @@ def problems(error: ValidationError, *, flags: bool = False) -> list[str]:
     """
     items = error.errors()
     wrong = {item["loc"][:-1] for item in items if item["type"] != "missing"}
+    items = [i for i in items if i["type"] != "too_short" or i["loc"] not in wrong]
     # The values of a pair have no keys of their own.
     absent = [i for i in items if i["type"] == "missing" and isinstance(i["loc"][-1], int)]
     short = {i["loc"][:-1]: i for i in absent if i["loc"][:-1] not in wrong}

@@ -24,7 +24,6 @@ from fem_contact import contact
 from fem_contact.errors import NotConverged
 from validation.arrays import Array
 from validation.effects.base import Effect
-from validation.errors import UsageError
 from validation.solvers.base import Blocks, Claim, Cost, Job, Size, Solved
 from validation.solvers.external import verified
 from validation.solvers.fem import BlockSolver, planned, unknowns_of
@@ -82,11 +81,7 @@ class Calculix(BlockSolver):
 
     def check(self, options: CalculixOptions, problem: ContactProblem, effects: Sequence[Effect]) -> None:
         """Refuse a layer that is not bonded to its base, two depths, and a solid on which its cells lock."""
-        if problem.solid.poisson > _LOCKING:
-            why = (
-                f"cells of method 'calculix' lock above {_LOCKING}; leave [methods.calculix] out or lower it"
-            )
-            raise UsageError(f"solid.poisson = {problem.solid.poisson!r}: {why}")
+        self.check_locking(problem, above=_LOCKING)
         self.check_bodies(problem, effects, depth=options.depth)
 
     def cost(self, size: Size) -> Cost:

@@ -57,6 +57,14 @@ class BlockSolver(Solver):
 
         return BlockResponse(mesh=planned(job), solid=job.model.solid, width=job.field.spacing[0])
 
+    def check_locking(self, problem: ContactProblem, *, above: float) -> None:
+        """Refuse a solid that elements of displacement alone cannot follow."""
+        if problem.solid.poisson > above:
+            raise UsageError(
+                f"solid.poisson = {problem.solid.poisson!r}: elements of method {self.name!r} lock above "
+                f"{above}; leave [methods.{self.name}] out or lower it"
+            )
+
     def score_settings(self, points: int) -> dict[str, float | str]:
         """Refine the layers with the grid: at one growth, finer grids approach a block that is .2 % off."""
         return {"growth": float(Blocks.model_fields["growth"].default) ** (self.score_points / points)}
@@ -95,11 +103,8 @@ class Fem(BlockSolver):
                     f"{as_length(depth, 3)}; at most {_MOST_LAYERS} are solved: raise the growth or lower "
                     "the depth"
                 )
-        if options.method == "full" and problem.solid.poisson > _LOCKING:
-            raise UsageError(
-                f"solid.poisson = {problem.solid.poisson!r}: method 'fem' locks above {_LOCKING} with "
-                "elements of displacement alone; leave [methods.fem] out or lower it"
-            )
+        if options.method == "full":
+            self.check_locking(problem, above=_LOCKING)
         if problem.load.held and (yielding := in_slot("pressure bound", effects)):
             raise UsageError(
                 f"{yielding}: method 'fem' yields under a load only; give one in place of load.offset, or "
